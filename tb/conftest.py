@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""pytest set-up: paths, options from the environment, and the closing line `N passed, N failed`."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+TB = Path(__file__).resolve().parent
+sys.path.insert(0, str(TB))
+# cocotb starts the simulator with this path, so that it finds mbrtu and the test modules.
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    [str(TB), *filter(None, [os.environ.get("PYTHONPATH")])]
+)
+
+SEED = int(os.environ.get("SEED", "1"), 0)
+FULL = os.environ.get("FULL") == "1"
+
+
+def pytest_report_header():
+    return f"seed {SEED} (SEED=n for another){', FULL volume' if FULL else ''}"
+
+
+@pytest.fixture
+def seed():
+    """The run's random seed, from SEED."""
+    return SEED
+
+
+def _counts(reporter):
+    """(passed, failed, skipped): a pytest test that ran a simulation counts as its cocotb tests."""
+    passed = failed = 0
+    for outcome in ("passed", "failed", "error"):
+        for report in reporter.stats.get(outcome, []):
+            inside = dict(report.user_properties).get("cocotb")
+            if inside:
+                good = sum(ok for _, ok in inside)
+                passed += good
+                failed += len(inside) - good
+                if outcome != "passed" and good == len(inside):
+                    failed += 1
+            elif outcome == "passed":
+                passed += 1
+            else:
+                failed += 1
+    return passed, failed, len(reporter.stats.get("skipped", []))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None or hasattr(config, "workerinput"):
+        return
+    passed, failed, skipped = _counts(reporter)
+    for report in reporter.stats.get("skipped", []):
+        reporter.write_line(f"skipped {report.nodeid}: {report.longrepr[2]}")
+    more = f", {skipped} skipped" if skipped else ""
+    reporter.write_line(f"{passed} passed, {failed} failed{more}")

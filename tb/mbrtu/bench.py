@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""A device under test with clock, reset, configuration, line, host port and model side by side."""
+
+import dataclasses
+import json
+import os
+import random
+from collections import Counter
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge, Timer, with_timeout
+
+from . import build
+from .defs import ERRORS, F8E1, Space, bus_address
+from .frames import text
+from .line import Line, now
+from .model import Slave, characters
+
+CLOCK_PS = 20_000
+TOP = os.environ.get("BENCH_TOP", "modbus_rtu_slave")
+PARAMETERS = json.loads(os.environ.get("BENCH_PARAMETERS", "{}"))
+PATIENCE_CLOCKS = 30_000  # for an answer that must come
+HOST_PATIENCE_US = 5_000
+
+
+@dataclasses.dataclass
+class Setup:
+    """The run-time inputs; names are those of the ports without _i."""
+
+    address: int = 17
+    bit_time: int = 8
+    fmt: object = F8E1
+    broadcast_en: int = 1
+    gap_count_only: int = 0
+    strict_turnaround: int = 0
+    response_delay: int = 0
+    stall_limit: int = 0
+    de_lead: int = 0
+    de_tail: int = 0
+    busy: int = 0
+    write_lock: int = 0
+
+
+class Bench:
+    """Everything a test touches. `await Bench.start(dut, **setup)`; `setup` are fields of Setup."""
+
+    def __init__(self, dut, seed):
+        self.dut, self.rng = dut, random.Random(seed)
+        self.setup = Setup()
+        self.strobes, self.writes = Counter(), []
+        self.line = Line(dut, self.setup.bit_time * CLOCK_PS, self.setup.fmt, self.rng)
+        self.slave = Slave(build.model_config(TOP, PARAMETERS))
+        self.has_host = hasattr(dut, "host_cyc_i")
+        self.longest_latency = 0.0
+
+    @classmethod
+    async def start(cls, dut, seed=1, **setup):
+        """Clock, inputs, reset; returns when the line has been silent for t3.5."""
+        bench = cls(dut, seed)
+        for port in ("host_cyc_i", "host_stb_i", "host_we_i", "host_adr_i", "host_dat_i"):
+            if bench.has_host:
+                getattr(dut, port).value = 0
+        for port in ("discretes_i", "inputs_i"):
+            if hasattr(dut, port):
+                getattr(dut, port).value = 0
+        dut.rst_i.value = 1
+        bench.apply(**setup)
+        Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
+        for name in (*(f"err_{e}" for e in ERRORS), "frame_stb"):
+            cocotb.start_soon(bench._count(name))
+        if hasattr(dut, "write_stb_o"):
+            cocotb.start_soon(bench._watch_writes())
+        await bench.reset()
+        await bench.silence()
+        return bench
+
+    async def _count(self, name):
+        handle = getattr(self.dut, f"{name}_o")
+        key = name.removeprefix("err_").removesuffix("_stb")
+        while True:
+            await RisingEdge(handle)
+            self.strobes[key] += 1
+
+    async def _watch_writes(self):
+        dut = self.dut
+        while True:
+            await RisingEdge(dut.write_stb_o)
+            await ReadOnly()
+            self.writes.append(
+                (
+                    Space(int(dut.write_space_o.value)),
+                    int(dut.write_first_o.value),
+                    int(dut.write_last_o.value),
+                )
+            )
+
+    # -------------------------------------------------------------- configuration and time
+
+    def apply(self, **setup):
+        """Change run-time inputs, of the device and of the model."""
+        self.setup = dataclasses.replace(self.setup, **setup)
+        for name, value in dataclasses.asdict(self.setup).items():
+            port = "format" if name == "fmt" else name
+            if hasattr(self.dut, f"{port}_i"):
+                code = self.setup.fmt.code if name == "fmt" else value
+                getattr(self.dut, f"{port}_i").value = code
+        self.line.bit_ps, self.line.fmt = self.setup.bit_time * CLOCK_PS, self.setup.fmt
+        config = self.slave.config
+        config.address = self.setup.address
+        config.broadcast = bool(self.setup.broadcast_en)
+        config.gap_count_only = bool(self.setup.gap_count_only)
+        self.slave.busy, self.slave.write_lock = bool(self.setup.busy), bool(self.setup.write_lock)
+        t15, t35 = build.silences(PARAMETERS, self.setup.fmt, self.setup.bit_time)
+        self.t15, self.t35 = t15 * CLOCK_PS, t35 * CLOCK_PS
+        config.t15, config.t35 = t15 / self.character, t35 / self.character
+
+    @property
+    def bit(self):
+        """Nominal bit time in ps."""
+        return self.line.bit_ps
+
+    @property
+    def character(self):
+        """Character time in clock cycles."""
+        return self.setup.fmt.length * self.setup.bit_time
+
+    async def reset(self, clocks=4):
+        """Hold rst_i for some clocks. Released, the line must be silent before anything is heard."""
+        self.dut.rst_i.value = 1
+        await Timer(clocks * CLOCK_PS, "ps")
+        await RisingEdge(self.dut.clk_i)
+        self.dut.rst_i.value = 0
+        self.line.forget()
+
+    async def silence(self, bits=4):
+        """t3.5 and some bits more."""
+        await Timer(round(self.t35 + bits * self.bit), "ps")
+
+    async def clocks(self, count):
+        """Wait for clock cycles."""
+        await Timer(count * CLOCK_PS, "ps")
+
+    # -------------------------------------------------------------- one request
+
+    async def query(self, line, patience=None, **how):
+        """Send `line` and take the answer (Answer or None); `how` goes to Line.send.
+
+        `patience` in ps beyond t3.5; default long enough for any answer.
+        """
+        self.sent = await self.line.send(line, **how)
+        if patience is None:
+            patience = PATIENCE_CLOCKS * CLOCK_PS + self.setup.response_delay * self.bit
+        return await self.line.answer(self.t35 + patience)
+
+    async def both(self, line, patience=None, note="", timing=True, **how):
+        """Play `line` to model and device and compare: answer, strobes, writes, answer's timing.
+
+        Returns the answer bytes (None: silence).
+        """
+        self.strobes.clear()
+        self.writes.clear()
+        expected = self.slave.request(line)
+        if patience is None and expected is None:
+            long = self.slave.good and len(line) > 24  # a broadcast that may take its time
+            patience = (6 * self.bit + 64 * CLOCK_PS) if not long else None
+        got = await self.query(line, patience, **how)
+        data = got and got.data
+        shown = f"{note} {text([c.byte for c in characters(line)])}"
+        assert data == expected, f"{shown}: expected {text(expected)}, seen {text(data)}"
+        self._compare_strobes(shown)
+        if got and timing:
+            self._check_timing(got, shown)
+        return data
+
+    def _compare_strobes(self, shown):
+        seen = {e for e in ERRORS if self.strobes[e]}
+        must, may = self.slave.errors, self.slave.allowed
+        assert must <= seen <= must | may, (
+            f"{shown}: expected strobes {sorted(must)} (allowed {sorted(may)}), seen {sorted(seen)}"
+        )
+        several = {e: n for e, n in self.strobes.items() if n > 1 and e != "gap"}
+        assert not several, f"{shown}: strobes rose several times in one frame: {several}"
+        assert self.strobes["frame"] == int(self.slave.good), (
+            f"{shown}: frame_stb_o rose {self.strobes['frame']} times, good is {self.slave.good}"
+        )
+        if hasattr(self.dut, "write_stb_o"):
+            assert self.writes == self.slave.written, (
+                f"{shown}: expected write pulses {self.slave.written}, seen {self.writes}"
+            )
+
+    def latency(self, answer):
+        """Bits from the end of t3.5 to the answer's first start bit."""
+        return (answer.start - self.sent - self.t35) / self.bit
+
+    def _check_timing(self, answer, shown):
+        latency = self.latency(answer) - self.setup.response_delay
+        self.longest_latency = max(self.longest_latency, latency)
+        assert latency >= 0, f"{shown}: the answer starts {-latency:.2f} bits before t3.5"
+        lead = (answer.start - answer.de_rise) / self.bit
+        tail = (answer.de_fall - answer.end) / self.bit
+        assert self.setup.de_lead <= lead <= self.setup.de_lead + 1, (
+            f"{shown}: de leads by {lead:.2f} bits, set to {self.setup.de_lead}"
+        )
+        assert self.setup.de_tail <= tail <= self.setup.de_tail + 1, (
+            f"{shown}: de stays {tail:.2f} bits, set to {self.setup.de_tail}"
+        )
+
+    async def finish(self):
+        """Nothing may come after the last answer, and the line must be at rest."""
+        extra = await self.line.answer(self.t35 + 64 * self.bit)
+        assert extra is None, f"an answer nobody asked for: {text(extra.data)}"
+        assert int(self.dut.txd_o.value) == 1, "txd_o is low at rest"
+        assert int(self.dut.de_o.value) == 0, "de_o is high at rest"
+
+    # -------------------------------------------------------------- the host port
+
+    async def host(self, space, item, write=None):
+        """One host access; the value read, or None if the bank answered err."""
+        return await with_timeout(self._host(space, item, write), HOST_PATIENCE_US, "us")
+
+    async def _host(self, space, item, write):
+        dut = self.dut
+        await RisingEdge(dut.clk_i)
+        dut.host_cyc_i.value, dut.host_stb_i.value = 1, 1
+        dut.host_we_i.value = int(write is not None)
+        dut.host_adr_i.value = bus_address(space, item)
+        dut.host_dat_i.value = write or 0
+        while True:
+            await RisingEdge(dut.clk_i)
+            ack, err = int(dut.host_ack_o.value), int(dut.host_err_o.value)
+            if ack or err:
+                value = int(dut.host_dat_o.value) if ack and write is None else 0
+                break
+        assert not (ack and err), "ack and err together"
+        dut.host_cyc_i.value, dut.host_stb_i.value, dut.host_we_i.value = 0, 0, 0
+        return value if ack else None
+
+    async def preset(self, key, value):
+        """Put `value` at `key` = (space, address) of the device and of the model."""
+        self.slave.memory[key] = value
+        if self.has_host:
+            assert await self.host(*key, write=value) is not None, f"host cannot write {key}"
+            return
+        self._io_inputs()
+
+    def _io_inputs(self):
+        """The input vectors of the I/O drop-in, from the model's tables."""
+        for space, port, width in ((Space.DISCRETES, "discretes_i", 1), (Space.INPUTS, "inputs_i", 16)):
+            base, count = self.slave.config.tables[space]
+            value = sum(self.slave.memory[space, base + i] << (width * i) for i in range(count))
+            if hasattr(self.dut, port):
+                getattr(self.dut, port).value = value
+
+    async def compare(self, keys):
+        """The device's memory at `keys` must be the model's."""
+        for key in keys:
+            expected = self.slave.memory[key]
+            seen = await self.read_back(key)
+            assert seen == expected, f"{key}: expected {expected:04X}, seen {seen}"
+
+    async def read_back(self, key):
+        """What the device holds at `key`, by host port or output vector."""
+        if self.has_host:
+            return await self.host(*key)
+        space, address = key
+        port, width = {
+            Space.COILS: ("coils_o", 1),
+            Space.DISCRETES: ("discretes_i", 1),
+            Space.INPUTS: ("inputs_i", 16),
+            Space.HOLDINGS: ("holdings_o", 16),
+        }[space]
+        place = address - self.slave.config.tables[space][0]
+        vector = int(getattr(self.dut, port).value)
+        return (vector >> (width * place)) & ((1 << width) - 1)

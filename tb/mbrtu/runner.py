@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Builds the RTL and runs cocotb modules on it, for pytest.
+
+Environment: WAVES=1 keeps a trace (dump.fst in the build folder), RTL=folder takes the Verilog
+from a copy (the mistakes do), CASE=regular expression runs only the cocotb tests whose name matches.
+"""
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+from cocotb_tools.runner import get_runner
+
+ROOT = Path(__file__).resolve().parents[2]
+TB = ROOT / "tb"
+PRODUCTS = Path(os.environ.get("BENCH_BUILD", ROOT / "build" / "tb"))
+RTL = Path(os.environ.get("RTL", ROOT / "rtl"))
+VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
+
+
+def sources():
+    """(Verilog files, include folders) of rtl/modbus.f, which names paths from the project's root."""
+    files, folders = [], []
+    for line in (RTL / "modbus.f").read_text(encoding="utf-8").split():
+        folder = line.startswith("+incdir+")
+        path = Path(line.removeprefix("+incdir+"))
+        path = RTL / path.relative_to("rtl")
+        (folders if folder else files).append(path)
+    return files, folders
+
+
+def fresh_verilator():
+    """Path of a Verilator new enough for cocotb, or None: beside this Python, or on PATH."""
+    for place in (Path(sys.executable).parent / "fronts", Path(sys.executable).parent, None):
+        found = shutil.which("verilator", path=place and str(place))
+        if not found:
+            continue
+        said = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
+        words = said.stdout.split()
+        if len(words) > 1 and tuple(int(n) for n in words[1].split(".")[:2]) >= VERILATOR_MINIMUM:
+            return found
+    return None
+
+
+def simulator(name):
+    """Make simulator `name` usable, or skip the test with the reason."""
+    if name == "icarus" and not shutil.which("iverilog"):
+        pytest.skip("Icarus Verilog (iverilog) is not installed")
+    if name == "verilator":
+        found = fresh_verilator()
+        if not found:
+            pytest.skip("no Verilator 5.036 or newer, which cocotb 2 needs")
+        os.environ["PATH"] = f"{Path(found).parent}{os.pathsep}{os.environ['PATH']}"
+        if shutil.which("ccache"):
+            os.environ.setdefault("OBJCACHE", "ccache")
+    return get_runner(name)
+
+
+def build(sim, top, parameters, extra_sources=()):
+    """Compile `top`; returns (runner, folder). Equal builds share a folder and are made once."""
+    runner = simulator(sim)
+    files, folders = sources()
+    files += [Path(f) for f in extra_sources]
+    key = json.dumps([str(RTL), sim, top, parameters, [str(f) for f in files]], sort_keys=True)
+    folder = PRODUCTS / f"{sim}_{top}_{hashlib.sha1(key.encode()).hexdigest()[:8]}"
+    waves = os.environ.get("WAVES") == "1"
+    arguments = {
+        "icarus": ["-Wall", *([] if waves else ["-g2005"])],
+        "verilator": ["-Wno-fatal", "--x-assign", "fast", "--x-initial", "fast", "-O3"],
+    }[sim]
+    folder.mkdir(parents=True, exist_ok=True)
+    runner.build(
+        sources=files,
+        includes=folders,
+        hdl_toplevel=top,
+        build_dir=folder,
+        parameters=parameters,
+        timescale=("1ns", "1ps"),
+        always=sim == "icarus",
+        build_args=arguments,
+        waves=waves,
+        log_file=folder / "build.log",
+    )
+    return runner, folder
+
+
+def results(xml):
+    """[(cocotb test, passed), ...] of a results file."""
+    out = []
+    for case in ET.parse(xml).iter("testcase"):
+        bad = case.find("failure") is not None or case.find("error") is not None
+        out.append((f"{case.get('classname')}.{case.get('name')}", not bad))
+    return out
+
+
+def run(record_property, sim, top, modules, parameters=None, env=None, timeout_note=""):
+    """Build `top` and run the cocotb `modules` (a name or several) in it; fails if one test fails.
+
+    Every cocotb test is handed to the closing count by `record_property`.
+    """
+    parameters = parameters or {}
+    modules = [modules] if isinstance(modules, str) else list(modules)
+    runner, folder = build(sim, top, parameters)
+    extra = {
+        "BENCH_TOP": top,
+        "BENCH_PARAMETERS": json.dumps(parameters),
+        "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
+        **(env or {}),
+    }
+    if os.environ.get("CASE"):
+        extra["COCOTB_TEST_FILTER"] = os.environ["CASE"]
+    name = "_".join(m.rsplit(".", 1)[-1] for m in modules)
+    log = folder / f"{name}.log"
+    xml = runner.test(
+        hdl_toplevel=top,
+        hdl_toplevel_lang="verilog",
+        test_module=modules,
+        build_dir=folder,
+        test_dir=folder,
+        results_xml=str(folder / f"{name}.xml"),
+        extra_env=extra,
+        waves=os.environ.get("WAVES") == "1",
+        timescale=("1ns", "1ps"),
+        log_file=log,
+    )
+    found = results(xml)
+    record_property("cocotb", [(f"{sim} {test}", ok) for test, ok in found])
+    assert found, f"no cocotb test ran; see {log}"
+    bad = [test for test, ok in found if not ok]
+    if bad:
+        pytest.fail(f"{len(bad)} of {len(found)} failed: {', '.join(bad)}\n{_why(log)}", pytrace=False)
+
+
+def _why(log):
+    """The lines of a simulation log that say what was expected and what was seen."""
+    lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+    wanted = [s.strip() for s in lines if "Error" in s or "failed" in s or "expected" in s]
+    return "\n".join(wanted[-30:] + [f"whole log: {log}"])
