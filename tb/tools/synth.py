@@ -29,7 +29,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from common import DROP_INS, ROOT, rtl_files
+
 OUT = Path("build/synth")  # relative: the YoWASP tools cannot see every absolute path
 DEVICE = "ice40-hx8k"
 PINS = 206  # user pins of the ct256 package
@@ -81,7 +82,6 @@ PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
     },
     "default": {"ram": ({}, {}), "io": ({}, {})},
 }
-TOPS = {"ram": "modbus_rtu_slave", "io": "modbus_rtu_slave_io"}
 PROFILE_NOTES = {
     "minimal": "03 06 10, 8 holding + 8 input registers, address, rate and format tied",
     "basic": "01-06 0F 10, everything else set at run time",
@@ -128,11 +128,8 @@ def read_commands(top: str) -> tuple[list[str], str]:
     The drop-ins are read by the file list.  A single module is read alone and Yosys looks for what it
     instantiates, so it can be measured while other files are still being written.
     """
-    listing = ROOT / "rtl/modbus.f"
-    if top in TOPS.values() and listing.exists():
-        lines = [line.split("//")[0].strip() for line in listing.read_text().splitlines()]
-        files = [line for line in lines if line and not line.startswith("+")]
-        return ["read_verilog -Irtl " + " ".join(files)], ""
+    if top in DROP_INS.values():
+        return ["read_verilog -Irtl " + " ".join(rtl_files())], ""
     if not (ROOT / f"rtl/{top}.v").exists():
         raise ToolError(f"no module {top}: rtl/{top}.v does not exist")
     return [f"read_verilog -Irtl rtl/{top}.v"], "-libdir rtl"
@@ -329,7 +326,7 @@ def arguments() -> argparse.Namespace:
     """Parse and check the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--profile", choices=sorted(PROFILES), action="append", help="only this profile (repeatable)")
-    parser.add_argument("--bank", choices=sorted(TOPS), action="append", help="only this bank (repeatable)")
+    parser.add_argument("--bank", choices=sorted(DROP_INS), action="append", help="only this bank (repeatable)")
     parser.add_argument("--top", help="measure this module alone instead of the profiles")
     parser.add_argument("-P", "--parameter", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--tie", action="append", default=[], metavar="PORT=VALUE", help="constant input")
@@ -373,10 +370,10 @@ def main() -> int:
                 continue
             work = OUT / f"{profile}_{bank}"
             parameters, ties = {**parameters, **given}, {**ties, **tied}
-            row = measure(TOPS[bank], parameters, ties, work, seeds)
+            row = measure(DROP_INS[bank], parameters, ties, work, seeds)
             show(f"{profile}, {bank} bank", row)
             if options.parts:
-                show_parts(TOPS[bank], parameters, ties, work)
+                show_parts(DROP_INS[bank], parameters, ties, work)
             settings = {**parameters, **{f"tied {k}": v for k, v in ties.items()}}
             rows.append({"profile": profile, "bank": bank, "device": DEVICE, **row, "parameters": settings})
     if not rows:

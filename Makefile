@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+#
+# Variables reach the programs through the environment and are judged there: recipes only ever name
+# them quoted, as "$$T".  So a bad value gives that program's own message and cannot break the shell.
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+MAKEFLAGS += --no-print-directory
+
+PY := .venv/bin/python
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+# Repeated Verilator builds cost 2 s instead of 12 with it.
+ifneq ($(shell command -v ccache 2>/dev/null),)
+export OBJCACHE ?= ccache
+endif
+
+# --- what a target needs, installed on demand -----------------------------------------------------
+# The recipes always run, look first, and leave a stamp that is right as it is; so nothing is rebuilt
+# for nothing, and a removed package is noticed.
+HASH := $(shell tb/tools/bootstrap.sh hash)
+stamp = .venv/$(1)-$(HASH).ok
+APT_STAMP := $(call stamp,apt-demo)
+VENV_STAMP := $(call stamp,demo)
+.PHONY: FORCE
+$(call stamp,apt-demo): FORCE
+	@tb/tools/bootstrap.sh apt demo
+$(foreach set,demo test lint formal fpga fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+	@tb/tools/bootstrap.sh venv $*
+
+# --- targets --------------------------------------------------------------------------------------
+.PHONY: help demo serve test lint formal synth waves mistakes fusesoc clean
+
+##@ Use
+-include sim/live.mk
+## demo      bring the core up as a live serial device and play the specification's examples against it
+## serve     the live device alone, until Ctrl-C: LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=
+
+##@ Check
+test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
+	@case "$${T-}" in \
+	  '') set -- tb ;; \
+	  */*|*.py*) set -- "$$T" ;; \
+	  *) set -- tb "-k$$T" ;; \
+	esac; exec $(PY) -m pytest "$$@"
+
+lint: $(call stamp,lint)  ## every linter over every module and parameter set; T=module selects
+	@$(PY) tb/tools/lint.py $${T:+"$$T"}
+
+formal: $(call stamp,formal)  ## proofs and covers; T=module selects
+	@$(PY) tb/tools/formal.py $${T:+"$$T"}
+
+mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests must catch each
+	@$(PY) tb/mistakes.py $${T:+"$$T"}
+
+##@ Look
+synth: $(call stamp,fpga)  ## size and speed on an iCE40 HX8K; UPDATE=1 puts the table into the README
+	@$(PY) tb/tools/synth.py $${UPDATE:+--update}
+
+waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
+	@$(PY) tb/tools/waves.py "$${T-}"
+
+##@ Other
+fusesoc: $(call stamp,fusesoc) $(call stamp,lint)  ## the FuseSoC targets lint and sim
+	@tb/tools/fusesoc.sh
+
+clean:  ## remove build products (.venv stays)
+	@rm -rf build
+
+help:  ## this list
+	@awk '/^##@ /{printf "\n%s\n", substr($$0,5); next} \
+	  /^## /{sub(/^## /,"  make "); print; next} \
+	  /^[a-z]+:.*  ## /{split($$0,a,":"); sub(/.*  ## /,""); printf "  make %-9s %s\n", a[1], $$0}' Makefile
