@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// bridge - the compiled core as a serial device: UART pins on one side, a pseudo-terminal on the other.
+//
+// Knows characters (start, data, parity, stop) and silence, and nothing of Modbus: what a frame is, whose
+// it is and what to answer is decided by the RTL alone.
+//
+//   client <-> pseudo-terminal <-> queue -> LineDriver  -> rxd_i  \  modbus_rtu_slave,
+//                              <-  bytes <- LineMonitor <- txd_o, de_o /  clocked here
+//
+// Simulated time follows the wall clock while anything moves on the line, and stands still, with the
+// process asleep in poll, while nothing does.  Arguments come checked from serve.py.
+
+#include <asm/termbits.h>  // termios2: any speed; excludes <termios.h>
+#include <cerrno>
+#include <cinttypes>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <deque>
+#include <fcntl.h>
+#include <getopt.h>
+#include <poll.h>
+#include <string>
+#include <sys/inotify.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "Vslave.h"
+#include "verilated.h"
+
+namespace {
+
+constexpr int EXIT_BAD_ARGUMENT = 2;
+constexpr double T35_FLOOR_S = 1750e-6;   // t3.5 above 19200 baud, MODBUS over Serial Line V1.02 2.5.1.1
+constexpr double SLICE_S = 0.5e-3;        // how often a moving line is brought up to the wall clock
+constexpr double GIVE_UP_S = 50e-3;       // further behind than this, lost time is not caught up
+constexpr double LINGER_S = 20e-3;        // silence after which nothing more can come from the core
+constexpr size_t LONGEST_FRAME = 256;
+constexpr size_t QUEUE_LIMIT = 512;       // a client that sends more than the line carries loses it
+constexpr int HOST_WAIT_CLOCKS = 100000;
+
+[[noreturn]] void fail(const std::string &what) {
+  fprintf(stderr, "serve: %s\n", what.c_str());
+  exit(EXIT_BAD_ARGUMENT);
+}
+
+[[noreturn]] void fail_errno(const std::string &what) { fail(what + ": " + strerror(errno)); }
+
+double wall_s() {
+  timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return t.tv_sec + t.tv_nsec * 1e-9;
+}
+
+struct Options {
+  std::string link, trace;
+  unsigned baud = 0, bit_time = 0, format = 0, address = 0, busy = 0;
+  int init_fd = -1;
+};
+
+// Format codes of the core: 0 = 8E1, 1 = 8O1, 2 = 8N2, 3 = 8N1.
+struct CharacterFormat {
+  bool parity, odd;
+  int stops;
+  explicit CharacterFormat(unsigned code) : parity(code < 2), odd(code == 1), stops(code == 2 ? 2 : 1) {}
+  int length() const { return 1 + 8 + parity + stops; }
+  bool parity_bit(unsigned data) const { return __builtin_parity(data) ^ odd; }
+};
+
+// Puts characters on rxd, one level a clock.
+class LineDriver {
+ public:
+  LineDriver(CharacterFormat format, unsigned bit_time) : format_(format), bit_time_(bit_time) {}
+  bool busy() const { return left_ > 0; }
+
+  void start(uint8_t data) {
+    unsigned tail = ~0u << 9;  // stop bits
+    if (format_.parity) tail = ~0u << 10 | unsigned(format_.parity_bit(data)) << 9;
+    bits_ = tail | unsigned(data) << 1;  // bit 0 is the start bit
+    left_ = format_.length();
+    phase_ = 0;
+  }
+
+  bool clock() {
+    if (!busy()) return true;
+    const bool level = bits_ & 1;
+    if (++phase_ == bit_time_) {
+      phase_ = 0;
+      bits_ >>= 1;
+      --left_;
+    }
+    return level;
+  }
+
+ private:
+  CharacterFormat format_;
+  unsigned bit_time_, bits_ = ~0u, phase_ = 0;
+  int left_ = 0;
+};
+
+// Takes characters off txd while the driver is enabled, sampling each bit at its middle.
+class LineMonitor {
+ public:
+  LineMonitor(CharacterFormat format, unsigned bit_time) : format_(format), bit_time_(bit_time) {}
+
+  // One clock; the character when its last stop bit has been seen, else -1.
+  int clock(bool txd, bool enabled) {
+    if (!enabled) {
+      if (inside_) complain("driver off inside a character");
+      inside_ = false;
+      return -1;
+    }
+    if (!inside_) {
+      if (txd) return -1;
+      inside_ = true;
+      phase_ = 0;
+      bit_ = 0;
+      bits_ = 0;
+    }
+    if (phase_++ != bit_ * bit_time_ + bit_time_ / 2) return -1;
+    bits_ |= unsigned(txd) << bit_;
+    if (int(++bit_) < format_.length()) return -1;
+
+    inside_ = false;
+    const unsigned data = bits_ >> 1 & 0xFF;
+    const unsigned stops = (1u << format_.stops) - 1;
+    if (bits_ & 1) complain("start bit too short");
+    if (format_.parity && bool(bits_ >> 9 & 1) != format_.parity_bit(data)) complain("wrong parity");
+    if ((bits_ >> (9 + format_.parity)) != stops) complain("stop bit is 0");
+    return int(data);
+  }
+
+ private:
+  static void complain(const char *what) { fprintf(stderr, "serve: bad character from the core: %s\n", what); }
+
+  CharacterFormat format_;
+  unsigned bit_time_, phase_ = 0, bit_ = 0, bits_ = 0;
+  bool inside_ = false;
+};
+
+// The pseudo-terminal. Its slave side stays open here, else reading fails whenever the last client leaves.
+// Comings and goings of clients are seen through inotify.
+class Terminal {
+ public:
+  explicit Terminal(unsigned baud) : baud_(baud) {
+    master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (master_ < 0 || grantpt(master_) || unlockpt(master_)) fail_errno("cannot open a pseudo-terminal");
+    name_ = ptsname(master_);
+    slave_ = open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (slave_ < 0) fail_errno(name_);
+    make_raw();
+    inotify_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+    if (inotify_ < 0 || inotify_add_watch(inotify_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0) fail_errno(name_);
+  }
+
+  const std::string &name() const { return name_; }
+  int master() const { return master_; }
+  int inotify() const { return inotify_; }
+
+  // True if the last client has gone since the last call; `others` tells whether a new one is there already.
+  bool clients_left(bool &others) {
+    alignas(inotify_event) char buffer[4096];
+    bool left = false;
+    for (ssize_t n; (n = read(inotify_, buffer, sizeof buffer)) > 0;) {
+      for (char *p = buffer; p < buffer + n;) {
+        auto *event = reinterpret_cast<inotify_event *>(p);
+        if (event->mask & IN_OPEN) ++clients_;
+        if (event->mask & IN_CLOSE && --clients_ <= 0) {
+          clients_ = 0;
+          left = true;
+        }
+        p += sizeof *event + event->len;
+      }
+    }
+    others = clients_ > 0;
+    return left;
+  }
+
+  ssize_t receive(void *data, size_t size) {
+    const ssize_t n = read(master_, data, size);
+    if (n > 0) {
+      if (clients_ == 0) clients_ = 1;  // two openings at once look like one to inotify
+      warn_of_speed();
+    }
+    return n;
+  }
+
+  // What the client does not fetch is lost, as on a line.
+  void send(uint8_t data) {
+    if (write(master_, &data, 1) < 0) return;
+  }
+
+  // The state a new client finds: no settings, no exclusive mode, no bytes left by the one before.
+  void clean() {
+    ioctl(slave_, TCFLSH, TCIOFLUSH);
+    ioctl(slave_, TIOCNXCL);
+    make_raw();
+    warned_speed_ = baud_;
+  }
+
+ private:
+  void make_raw() {
+    termios2 t{};
+    t.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;
+    t.c_ispeed = t.c_ospeed = baud_;
+    t.c_cc[VMIN] = 1;
+    if (ioctl(slave_, TCSETS2, &t)) fail_errno(name_);
+  }
+
+  void warn_of_speed() {
+    termios2 t;
+    if (ioctl(slave_, TCGETS2, &t) || t.c_ospeed == warned_speed_) return;
+    warned_speed_ = t.c_ospeed;
+    if (warned_speed_ == baud_) return;
+    fprintf(stderr, "serve: warning: the client has set %u baud; the line runs at %u (variable BAUD)\n",
+            warned_speed_, baud_);
+  }
+
+  unsigned baud_, warned_speed_ = baud_;
+  int master_ = -1, slave_ = -1, inotify_ = -1, clients_ = 0;
+  std::string name_;
+};
+
+// The core and its line. Cycle numbers are the only time it knows.
+class Device {
+ public:
+  Device(const Options &options, Terminal &terminal)
+      : terminal_(terminal), format_(options.format), driver_(format_, options.bit_time),
+        monitor_(format_, options.bit_time) {
+    const double bit = options.bit_time, character = bit * format_.length();
+    t15_ = uint64_t(1.5 * character);
+    t35_ = uint64_t(std::max(3.5 * character, T35_FLOOR_S * CLOCK_HZ));
+    hold_ = t35_ + options.bit_time;  // the core may see t3.5 one bit late
+    linger_ = t35_ + uint64_t(LINGER_S * CLOCK_HZ);
+    if (!options.trace.empty()) open_trace(options);
+
+    dut_.rxd_i = 1;
+    dut_.address_i = options.address;
+    dut_.bit_time_i = options.bit_time;
+    dut_.format_i = options.format;
+    dut_.broadcast_en_i = 1;
+    dut_.busy_i = options.busy;
+    dut_.rst_i = 1;
+    for (int i = 0; i < 16; ++i) clock();
+    dut_.rst_i = 0;
+    if (options.init_fd >= 0) load(options.init_fd);
+    last_activity_ = cycle_;
+    while (!idle()) clock();
+  }
+
+  ~Device() {
+    if (trace_) fclose(trace_);
+    dut_.final();
+  }
+
+  uint64_t cycle() const { return cycle_; }
+  bool full() const { return queue_.size() >= QUEUE_LIMIT; }
+  bool idle() const { return queue_.empty() && cycle_ - last_activity_ > linger_; }
+
+  // Takes what clients have sent. What exceeds the queue is dropped, so a flood can neither grow it nor stop us.
+  bool take_bytes() {
+    uint8_t data[4096];
+    const ssize_t n = terminal_.receive(data, sizeof data);
+    for (ssize_t i = 0; i < n && !full(); ++i) queue_.push_back({data[i], client_});
+    return n > 0;
+  }
+
+  // The last client has gone. A frame it has sent is still played (a broadcast, say), more than a frame is
+  // rubbish; answers to either are for nobody.
+  void client_gone(bool others) {
+    if (!others) {
+      while (take_bytes()) {}
+      terminal_.clean();
+    }
+    if (queue_.size() > LONGEST_FRAME) queue_.clear();
+    ++client_;
+  }
+
+  void run_to(uint64_t cycle) {
+    while (cycle_ < cycle) clock();
+    if (trace_) fflush(trace_);
+  }
+
+ private:
+  struct Byte {
+    uint8_t data;
+    unsigned client;
+  };
+
+  void clock() {
+    if (!driver_.busy() && !queue_.empty() && may_start(queue_.front())) {
+      driver_.start(queue_.front().data);
+      playing_ = queue_.front().client;
+      queue_.pop_front();
+    }
+    const bool driving = driver_.busy();
+    dut_.rxd_i = driver_.clock();
+    dut_.clk_i = 1;
+    dut_.eval();
+    dut_.clk_i = 0;
+    dut_.eval();
+    ++cycle_;
+
+    const int data = monitor_.clock(dut_.txd_o, dut_.de_o);
+    if (data >= 0 && playing_ == client_) terminal_.send(uint8_t(data));
+    if (driving || dut_.de_o) {
+      last_activity_ = cycle_;
+      inside_burst_ = driving;
+    }
+    if (trace_) trace_pins();
+  }
+
+  // A burst begins after t3.5 of silence, since masters on a pseudo-terminal do not wait for it themselves;
+  // within a burst there is no pause.
+  bool may_start(const Byte &byte) const {
+    const uint64_t silence = cycle_ - last_activity_;
+    return silence >= hold_ || (inside_burst_ && byte.client == playing_ && silence < t15_);
+  }
+
+  // Initial contents: lines of "space item value", written through the host port.
+  void load(int fd) {
+    FILE *file = fdopen(fd, "r");
+    unsigned space, item, value;
+    while (file && fscanf(file, "%u %u %u", &space, &item, &value) == 3) {
+      dut_.host_cyc_i = dut_.host_stb_i = dut_.host_we_i = 1;
+      dut_.host_adr_i = space << 16 | item;
+      dut_.host_dat_i = value;
+      int waited = 0;
+      do clock();
+      while (!dut_.host_ack_o && !dut_.host_err_o && ++waited < HOST_WAIT_CLOCKS);
+      const bool written = dut_.host_ack_o;
+      dut_.host_cyc_i = dut_.host_stb_i = dut_.host_we_i = 0;
+      clock();
+      if (!written) fail("the core refused space " + std::to_string(space) + " item " + std::to_string(item));
+    }
+    if (file) fclose(file);
+  }
+
+  void open_trace(const Options &options) {
+    trace_ = fopen(options.trace.c_str(), "w");
+    if (!trace_) fail_errno(options.trace);
+    fprintf(trace_, "# clock_hz %u bit_time %u format %u t35 %" PRIu64 "\n# cycle rxd txd de\n", unsigned(CLOCK_HZ),
+            options.bit_time, options.format, t35_);
+  }
+
+  void trace_pins() {
+    const int pins = dut_.rxd_i << 2 | dut_.txd_o << 1 | dut_.de_o;
+    if (pins == traced_) return;
+    traced_ = pins;
+    fprintf(trace_, "%" PRIu64 " %d %d %d\n", cycle_, dut_.rxd_i, dut_.txd_o, dut_.de_o);
+  }
+
+  Terminal &terminal_;
+  Vslave dut_;
+  CharacterFormat format_;
+  LineDriver driver_;
+  LineMonitor monitor_;
+  std::deque<Byte> queue_;
+  unsigned client_ = 0, playing_ = 0;  // who is connected; who sent what was last on the line
+  uint64_t cycle_ = 0, last_activity_ = 0, t15_ = 0, t35_ = 0, hold_ = 0, linger_ = 0;
+  bool inside_burst_ = false;
+  FILE *trace_ = nullptr;
+  int traced_ = -1;
+};
+
+Options parse(int argc, char **argv) {
+  enum { LINK, TRACE, BAUD, BIT_TIME, FORMAT, ADDRESS, BUSY, INIT_FD, DIE_WITH_PARENT };
+  static const option names[] = {{"link", 1, nullptr, LINK},         {"trace", 1, nullptr, TRACE},
+                                 {"baud", 1, nullptr, BAUD},         {"bit-time", 1, nullptr, BIT_TIME},
+                                 {"format", 1, nullptr, FORMAT},     {"address", 1, nullptr, ADDRESS},
+                                 {"busy", 1, nullptr, BUSY},         {"init-fd", 1, nullptr, INIT_FD},
+                                 {"die-with-parent", 0, nullptr, DIE_WITH_PARENT}, {}};
+  Options options;
+  for (int c; (c = getopt_long(argc, argv, "", names, nullptr)) != -1;) {
+    const unsigned number = optarg ? unsigned(strtoul(optarg, nullptr, 10)) : 0;
+    switch (c) {
+      case LINK: options.link = optarg; break;
+      case TRACE: options.trace = optarg; break;
+      case BAUD: options.baud = number; break;
+      case BIT_TIME: options.bit_time = number; break;
+      case FORMAT: options.format = number; break;
+      case ADDRESS: options.address = number; break;
+      case BUSY: options.busy = number; break;
+      case INIT_FD: options.init_fd = int(number); break;
+      case DIE_WITH_PARENT: prctl(PR_SET_PDEATHSIG, SIGTERM); break;
+      default: exit(EXIT_BAD_ARGUMENT);
+    }
+  }
+  if (options.link.empty() || !options.baud || !options.bit_time) fail("bridge is started by serve.py");
+  return options;
+}
+
+// The ending signals as a descriptor, so that they wake poll like everything else.
+int open_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (int s : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&set, s);
+  sigprocmask(SIG_BLOCK, &set, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  return signalfd(-1, &set, SFD_CLOEXEC);
+}
+
+void serve(Device &device, Terminal &terminal, int signals) {
+  enum { SIGNALS, CLIENTS, BYTES };
+  pollfd wait[] = {{signals, POLLIN, 0}, {terminal.inotify(), POLLIN, 0}, {terminal.master(), POLLIN, 0}};
+  double anchor_s = wall_s();
+  uint64_t anchor_cycle = device.cycle();
+  for (;;) {
+    const bool asleep = device.idle();
+    // Asleep until something happens; else a slice at a time, and not woken by a flood that finds no room.
+    wait[BYTES].fd = device.full() ? -1 : terminal.master();
+    timespec slice{0, long(SLICE_S * 1e9)};
+    ppoll(wait, 3, asleep ? nullptr : &slice, nullptr);
+    if (wait[SIGNALS].revents) return;
+
+    bool others = false;
+    if (terminal.clients_left(others)) device.client_gone(others);
+    device.take_bytes();  // before time moves on: a late wake-up must not put a pause into a burst
+    if (device.idle()) continue;
+
+    const double now = wall_s();
+    uint64_t due = anchor_cycle + uint64_t((now - anchor_s) * CLOCK_HZ);
+    if (asleep || due > device.cycle() + uint64_t(GIVE_UP_S * CLOCK_HZ)) {
+      anchor_s = now;
+      due = anchor_cycle = device.cycle();
+    }
+    device.run_to(due);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+  const Options options = parse(argc, argv);
+  const int signals = open_signals();
+  Terminal terminal(options.baud);
+  Device device(options, terminal);
+
+  // symlink() neither replaces anything nor leaves a moment without a target.
+  if (symlink(terminal.name().c_str(), options.link.c_str())) fail_errno("LINK=" + options.link);
+  printf("ready %s\n", options.link.c_str());
+  fflush(stdout);
+  serve(device, terminal, signals);
+
+  char target[64];
+  const ssize_t n = readlink(options.link.c_str(), target, sizeof target);
+  if (n > 0 && terminal.name() == std::string(target, size_t(n))) unlink(options.link.c_str());
+  return 0;
+}

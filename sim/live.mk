@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+#
+# The live device (make serve) and the demonstration (make demo). Included by the Makefile, which gives
+# APT_STAMP (compilers are installed) and VENV_STAMP (.venv is there). Variables: sim/README.md.
+
+LIVE_VARIABLES := LINK ADDRESS BAUD PARITY STOP INIT MAP TRACE PARAMETERS
+
+# make ends with 0 on a signal only if it has become the device: see sim/exec_into.c. That needs `serve`
+# to be the only goal, and no dry run. Where make cannot load the function, the shell's line below starts
+# the device, and only the exit status after a signal differs.
+ifeq ($(MAKECMDGOALS)$(findstring n,$(filter-out --%,$(firstword -$(MAKEFLAGS)))),serve)
+-load build/exec_into.so
+build/exec_into.so: sim/exec_into.c | $(APT_STAMP)
+	@mkdir -p build
+	@$(CC) -O2 -shared -fPIC -o $@ $< || true
+endif
+
+live_quote = '$(subst ','\'',$(1))'
+
+.PHONY: serve demo
+
+serve: $(APT_STAMP)
+	$(exec_into python3,sim/serve.py,LINK=$(LINK),ADDRESS=$(ADDRESS),BAUD=$(BAUD),PARITY=$(PARITY),\
+	  STOP=$(STOP),INIT=$(INIT),MAP=$(MAP),TRACE=$(TRACE),PARAMETERS=$(PARAMETERS))
+	@mkdir -p build; exec python3 sim/serve.py DIE_WITH_PARENT=yes \
+	  $(foreach v,$(LIVE_VARIABLES),$(call live_quote,$(v)=$($(v))))
+
+demo: $(APT_STAMP) $(VENV_STAMP)
+	@mkdir -p build
+	@exec .venv/bin/python sim/demo.py
