@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_bank_ram - the four tables in block RAM, with a second Wishbone side for the host.
+//
+// One memory for bits, one for registers, one port each: the two sides take turns.  Whoever has the memory keeps it
+// while its cyc is high, so a burst of the line is one snapshot for the host and the other way round.
+// A core burst of 125 registers takes 250 clocks; that is the longest the host waits.  The host may hold
+// host_cyc_i over several accesses to read or write a block in one piece; meanwhile the core waits, up to its stall limit.
+//
+// Host side: Wishbone B4 classic, address {space, item} as on the line; ack two clocks after stb when free, err for an
+// address outside the tables.  All tables are writable by the host.
+//
+// OVERLAY = 1: one block of HOLDING_COUNT registers (MODBUS Application Protocol V1.1b3, clause 4.3, device
+// with one block); coil and discrete input n are bit n mod 16 of register n / 16, input registers are the
+// holding registers.  Contents are 0 after configuration and survive rst_i.
+
+`default_nettype none
+`include "modbus_defs.vh"
+
+module modbus_bank_ram #(
+  parameter COIL_BASE = 0,      parameter COIL_COUNT = 64,       // count 0..65536; 0: no such table
+  parameter DISCRETE_BASE = 0,  parameter DISCRETE_COUNT = 64,
+  parameter INPUT_BASE = 0,     parameter INPUT_COUNT = 64,
+  parameter HOLDING_BASE = 0,   parameter HOLDING_COUNT = 64,
+  parameter READ_ONLY_BASE = 0, parameter READ_ONLY_COUNT = 0,
+  parameter OVERLAY = 0
+) (
+  input  wire        clk_i,
+  input  wire        rst_i,
+  input  wire        write_lock_i,
+
+  // Core: grant and Wishbone
+  input  wire        grant_req_i,
+  input  wire [2:0]  grant_space_i,
+  input  wire [15:0] grant_first_i,
+  input  wire [15:0] grant_last_i,
+  input  wire        grant_write_i,
+  output wire        grant_ack_o,
+  output wire [3:0]  exception_o,
+  input  wire        wb_cyc_i,
+  input  wire        wb_stb_i,
+  input  wire        wb_we_i,
+  input  wire [18:0] wb_adr_i,
+  input  wire [15:0] wb_dat_i,
+  output wire [15:0] wb_dat_o,
+  output wire        wb_ack_o,
+
+  // Host: Wishbone
+  input  wire        host_cyc_i,
+  input  wire        host_stb_i,
+  input  wire        host_we_i,
+  input  wire [18:0] host_adr_i,
+  input  wire [15:0] host_dat_i,
+  output wire [15:0] host_dat_o,
+  output wire        host_ack_o,
+  output wire        host_err_o
+);
+
+  reg host_q = 1'b0;                 // the memory is the host's
+  reg ready_q = 1'b0;                // the memory's output belongs to the address now shown
+
+  modbus_bank_guard #(
+    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
+    .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
+    .READ_ONLY_BASE(READ_ONLY_BASE), .READ_ONLY_COUNT(READ_ONLY_COUNT), .OVERLAY(OVERLAY)
+  ) u_guard (
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(host_q),
+    .req_i(grant_req_i), .space_i(grant_space_i), .first_i(grant_first_i), .last_i(grant_last_i),
+    .write_i(grant_write_i), .ack_o(grant_ack_o), .exception_o(exception_o)
+  );
+
+  wire        stb  = host_q ? host_cyc_i & host_stb_i : wb_stb_i & wb_cyc_i;
+  wire        show = host_q ? host_cyc_i & host_stb_i : wb_cyc_i;
+  wire        we   = host_q ? host_we_i  : wb_we_i;
+  wire [2:0]  space = host_q ? host_adr_i[18:16] : wb_adr_i[18:16];
+  wire [15:0] item  = host_q ? host_adr_i[15:0]  : wb_adr_i[15:0];
+  wire [15:0] data  = host_q ? host_dat_i : wb_dat_i;
+  wire        ack   = stb & ready_q;
+  wire        bits  = (space[2:1] == 2'b00);
+  wire        exists;
+
+  wire write = ack & we & (~host_q | exists);
+
+  always @(posedge clk_i) begin
+    host_q  <= host_cyc_i & (host_q | ~wb_cyc_i) & ~rst_i;
+    ready_q <= show & ~ack & ~rst_i;
+  end
+
+  wire [15:0] read;
+
+  assign wb_ack_o   = ack & ~host_q;
+  assign wb_dat_o   = read;
+  assign host_ack_o = ack & host_q & exists;
+  assign host_err_o = ack & host_q & ~exists;
+  assign host_dat_o = read;
+
+  generate
+    if (OVERLAY != 0) begin : gen_overlay
+      localparam W = (HOLDING_COUNT > 1) ? $clog2(HOLDING_COUNT) : 1;
+      reg  [15:0] memory [0:HOLDING_COUNT-1];
+      reg  [15:0] word_q;
+      wire [11:0] register = bits ? item[15:4] : item[11:0];
+      wire [15:0] mask     = bits ? 16'd1 << item[3:0] : 16'hFFFF;
+      wire [15:0] source   = bits ? {16{data[0]}} : data;
+      integer i;
+
+      initial for (i = 0; i < HOLDING_COUNT; i = i + 1) memory[i] = 16'd0;
+
+      always @(posedge clk_i) begin
+        if (write) memory[register[W-1:0]] <= (source & mask) | (word_q & ~mask);
+        word_q <= memory[register[W-1:0]];
+      end
+
+      assign read   = bits ? {15'd0, word_q[item[3:0]]} : word_q;
+      assign exists = (space <= `MB_SPACE_HOLDINGS) & ({20'd0, register} < HOLDING_COUNT)
+                    & (bits | (item[15:12] == 4'd0));
+    end else begin : gen_tables
+      localparam BITS  = COIL_COUNT + DISCRETE_COUNT, WORDS = HOLDING_COUNT + INPUT_COUNT;
+      localparam BW = (BITS > 1) ? $clog2(BITS) : 1, WW = (WORDS > 1) ? $clog2(WORDS) : 1;
+      // Coils lie before discrete inputs, holding before input registers.
+      localparam DISCRETE_SHIFT = COIL_COUNT - DISCRETE_BASE, INPUT_SHIFT = HOLDING_COUNT - INPUT_BASE;
+      localparam COIL_SHIFT = -COIL_BASE, HOLDING_SHIFT = -HOLDING_BASE;
+
+      wire [16:0]   bit_shift  = (space[0]) ? DISCRETE_SHIFT[16:0] : COIL_SHIFT[16:0];
+      wire [16:0]   word_shift = (space[0]) ? HOLDING_SHIFT[16:0]  : INPUT_SHIFT[16:0];
+      wire [16:0]   at_bit  = {1'b0, item} + bit_shift;
+      wire [16:0]   at_word = {1'b0, item} + word_shift;
+      wire [15:0]   low  = bits ? (space[0] ? DISCRETE_BASE[15:0] : COIL_BASE[15:0])
+                                : (space[0] ? HOLDING_BASE[15:0]  : INPUT_BASE[15:0]);
+      wire [16:0]   size = bits ? (space[0] ? DISCRETE_COUNT[16:0] : COIL_COUNT[16:0])
+                                : (space[0] ? HOLDING_COUNT[16:0]  : INPUT_COUNT[16:0]);
+      wire          bit_out;
+      wire [15:0]   word_out;
+      integer       i;
+
+      assign exists = (space <= `MB_SPACE_HOLDINGS) & (item >= low) & ({1'b0, item} < {1'b0, low} + size);
+      assign read   = bits ? {15'd0, bit_out} : word_out;
+
+      if (BITS > 0) begin : gen_bits
+        reg memory [0:BITS-1];
+        reg bit_q;
+        initial for (i = 0; i < BITS; i = i + 1) memory[i] = 1'b0;
+        always @(posedge clk_i) begin
+          if (write && bits) memory[at_bit[BW-1:0]] <= data[0];
+          bit_q <= memory[at_bit[BW-1:0]];
+        end
+        assign bit_out = bit_q;
+      end else begin : gen_no_bits
+        assign bit_out = 1'b0;
+      end
+
+      if (WORDS > 0) begin : gen_words
+        reg [15:0] memory [0:WORDS-1];
+        reg [15:0] word_q;
+        initial for (i = 0; i < WORDS; i = i + 1) memory[i] = 16'd0;
+        always @(posedge clk_i) begin
+          if (write && !bits) memory[at_word[WW-1:0]] <= data;
+          word_q <= memory[at_word[WW-1:0]];
+        end
+        assign word_out = word_q;
+      end else begin : gen_no_words
+        assign word_out = 16'd0;
+      end
+    end
+  endgenerate
+
+endmodule
+
+`default_nettype wire

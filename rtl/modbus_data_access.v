@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_data_access - one range of items: its bounds, the grant for it, and the burst that moves it.
+//
+// Holds the first address, the quantity and the last address of a range, and one byte on its way.  A burst moves the
+// whole range between the frame RAM and the bus under one wb_cyc_o: bits packed eight to a byte, least
+// significant first, the last byte filled with zeros; registers high byte first.  With a zero-wait bank a
+// register takes two clocks, a bit one clock and a byte of bits one more.
+//
+// The bus is Wishbone B4, classic cycles, 16 bits of data, address {space, item}.  A bit uses data bit 0; the other
+// data bits of a bit write mean nothing.  wb_err_i ends the burst with the bank's exception code (0 stands
+// for 04).  A grant question or a beat unanswered when stall_i rises ends with 06 or 04.
+
+`default_nettype none
+`include "modbus_defs.vh"
+`include "modbus_steps.vh"
+
+module modbus_data_access #(
+  parameter HAS_BITS  = 1,           // coils or discrete inputs are reachable
+  parameter HAS_WORDS = 1,           // registers are reachable
+  parameter HAS_MASK  = 1            // the XOR and AND loads are used
+) (
+  input  wire        clk_i,
+  input  wire        rst_i,
+
+  // Commands, each valid for the clock it is high
+  input  wire        hold_i,         // strobe: keep the byte under the cursor (high byte of a word)
+  input  wire        address_i,      // strobe: first address = {held, byte}
+  input  wire        quantity_i,     // strobe: quantity = {held, byte}
+  input  wire        single_i,       // strobe: quantity = 1
+  input  wire        range_i,        // strobe: compute the last address
+  input  wire        load_i,         // strobe: held byte by load_what_i
+  input  wire [1:0]  load_what_i,    // MB_LOAD_*
+  input  wire        load_flag_i,    // level : BYTE: set bit 7; STATUS: exception code instead of count
+  input  wire        grant_i,        // level until done or failed: ask the bank
+  input  wire        burst_i,        // level until done or failed: move the range
+  input  wire        write_i,        // level : direction of both
+  input  wire        keep_i,         // level : hold the bus after this burst
+  input  wire [2:0]  space_i,
+  input  wire [10:0] limit_i,        // level : highest quantity allowed
+  input  wire [3:0]  code_i,         // level : exception code for an answer
+
+  // Answers
+  output wire        in_limit_o,     // level : 1 <= quantity <= limit_i
+  output wire        bytes_fit_o,    // level : count_i + 1 is the byte count that the quantity needs
+  output wire        over_o,         // level : the range passes FFFFH, after range_i
+  output wire        done_o,         // strobe
+  output wire        fail_o,         // strobe
+  output wire [3:0]  fail_code_o,    // level : with fail_o
+  output wire [7:0]  held_o,
+  output wire [15:0] first_o,
+  output wire [15:0] last_o,
+
+  // Frame RAM
+  input  wire [7:0]  byte_i,
+  input  wire [8:0]  count_i,
+  output wire        put_o,          // strobe: data_o goes under the cursor; cursor and count up
+  output wire [7:0]  data_o,         // level : also for the PUT step of dispatch
+  output wire        step_o,         // strobe: cursor up only
+
+  // Stall watch
+  output wire        waiting_o,      // level : the bank owes an answer
+  input  wire        stall_i,        // level : it has owed it for too long
+
+  // Bank
+  output wire        grant_req_o,
+  output wire        grant_write_o,
+  input  wire        grant_ack_i,
+  input  wire [3:0]  exception_i,    // with grant_ack_i: 0 granted; with wb_err_i: 0 means 04
+  output wire        wb_cyc_o,
+  output wire        wb_stb_o,
+  output wire        wb_we_o,
+  output wire [18:0] wb_adr_o,
+  output wire [15:0] wb_dat_o,
+  input  wire [15:0] wb_dat_i,
+  input  wire        wb_ack_i,
+  input  wire        wb_err_i
+);
+
+  localparam [2:0] ST_REST = 3'd0, ST_TAKE = 3'd1, ST_BEAT = 3'd2, ST_FILL = 3'd3, ST_PUT = 3'd4;
+
+  reg [2:0]  state_q = ST_REST, state_d;
+  reg [15:0] first_q;
+  reg [15:0] less_one_q;             // quantity - 1: what the last address and the byte count need
+  reg [15:0] last_q;
+  reg        over_q;
+  reg [7:0]  held_q;
+  reg [2:0]  bit_q;
+  reg        ended_q;                // the byte on its way is the last
+  reg        keep_q = 1'b0;
+
+  wire words = (HAS_BITS == 0) || (HAS_WORDS != 0 && space_i[2:1] != 2'b00);
+  wire bits  = ~words;
+
+  // Bounds
+  wire [7:0] bytes_less_one = words ? {less_one_q[6:0], 1'b1} : less_one_q[10:3];
+
+  assign in_limit_o  = (less_one_q[15:11] == 5'd0) & (less_one_q[10:0] < limit_i);
+  assign bytes_fit_o = (count_i == {1'b0, bytes_less_one});
+  assign over_o      = over_q;
+
+  // Burst
+  wire beat    = (state_q == ST_BEAT);
+  wire ack     = beat & wb_ack_i & ~wb_err_i;
+  wire at_last = (first_q == last_q);
+  wire full    = (bit_q == 3'd7);
+  wire put_high = ack & ~write_i & words;
+  wire put_held = (state_q == ST_PUT);
+  wire take     = (state_q == ST_TAKE);
+  wire lost     = beat & (wb_err_i | (stall_i & ~wb_ack_i));
+  wire refused  = grant_i & (grant_ack_i ? exception_i != 4'd0 : stall_i);
+  wire granted  = grant_i & grant_ack_i & (exception_i == 4'd0);
+  wire burst_done = (put_held & ended_q) | (ack & write_i & at_last);
+
+  always @* begin
+    state_d = state_q;
+    case (state_q)
+      // No burst.
+      ST_REST: if (burst_i) state_d = write_i ? ST_TAKE : ST_BEAT;
+      // The next byte to write (of a register the high one) leaves the frame.
+      ST_TAKE: state_d = ST_BEAT;
+      // One item on the bus.
+      ST_BEAT: begin
+        if (ack) begin
+          if (write_i)    state_d = at_last ? ST_REST : (words | full) ? ST_TAKE : ST_BEAT;
+          else if (words) state_d = ST_PUT;
+          else            state_d = full ? ST_PUT : at_last ? ST_FILL : ST_BEAT;
+        end
+      end
+      // Zeros above the last bit.
+      ST_FILL: if (full) state_d = ST_PUT;
+      // A byte of bits, or the low byte of a register, goes to the frame.
+      ST_PUT: state_d = ended_q ? ST_REST : ST_BEAT;
+      default: state_d = ST_REST;
+    endcase
+    if (lost) state_d = ST_REST;
+  end
+
+  wire shift = bits & (ack | (state_q == ST_FILL));
+
+  always @(posedge clk_i) begin
+    state_q <= state_d;
+    if (burst_done || lost) keep_q <= keep_i & burst_done;
+    if (ack) ended_q <= at_last;
+
+    if (state_q == ST_REST) bit_q <= 3'd0;
+    else if (shift)         bit_q <= bit_q + 3'd1;
+
+    if (address_i)  first_q <= {held_q, byte_i};
+    else if (ack)   first_q <= first_q + 16'd1;
+    if (single_i)        less_one_q <= 16'd0;
+    else if (quantity_i) less_one_q <= {held_q, byte_i} - 16'd1;
+    if (range_i) {over_q, last_q} <= {1'b0, first_q} + {1'b0, less_one_q};
+
+    if (hold_i || take)                      held_q <= byte_i;
+    else if (put_high)                       held_q <= wb_dat_i[7:0];
+    else if (shift)                          held_q <= {wb_dat_i[0] & beat, held_q[7:1]};
+    else if (load_i)
+      case (load_what_i)
+        `MB_LOAD_BYTE: held_q <= byte_i | {load_flag_i, 7'd0};
+        `MB_LOAD_XOR:  held_q <= (HAS_MASK != 0) ? held_q ^ byte_i : byte_i;
+        `MB_LOAD_AND:  held_q <= (HAS_MASK != 0) ? held_q & byte_i : byte_i;
+        default:       held_q <= load_flag_i ? {4'd0, code_i} : count_i[7:0];
+      endcase
+
+    if (rst_i) begin
+      state_q <= ST_REST;
+      keep_q  <= 1'b0;
+    end
+  end
+
+  assign done_o      = granted | burst_done;
+  assign fail_o      = refused | lost;
+  assign fail_code_o = refused ? (grant_ack_i ? exception_i : `MB_EX_DEVICE_BUSY)
+                               : (wb_err_i && exception_i != 4'd0) ? exception_i : `MB_EX_DEVICE_FAILURE;
+  assign held_o      = held_q;
+  assign first_o     = first_q;
+  assign last_o      = last_q;
+
+  assign put_o  = put_high | put_held;
+  assign data_o = put_high ? wb_dat_i[15:8] : held_q;
+  assign step_o = take | (ack & write_i & words);
+
+  assign waiting_o = (grant_i & ~grant_ack_i) | (beat & ~wb_ack_i);
+
+  assign grant_req_o   = grant_i;
+  assign grant_write_o = write_i;
+  assign wb_cyc_o = (state_q != ST_REST) | keep_q;
+  assign wb_stb_o = beat;
+  assign wb_we_o  = beat & write_i;
+  assign wb_adr_o = {space_i, first_q};
+  assign wb_dat_o = {held_q, words ? byte_i : held_q};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_frame_rx - the line state machine: cuts characters into frames by silence and judges each.
+//
+// MODBUS over Serial Line V1.02, figure 14, completed: a frame is what lies between two silences of t3.5.  It is good
+// when every character was, no gap inside passed t1.5, it has 4..256 bytes and the CRC remainder is zero.
+// Bad frames are dropped whole; nothing in them is looked at.  With gap_count_only_i a gap above t1.5 is reported
+// and the frame goes on.
+//
+// good_stb_o starts the work on a frame; until done_stb_i characters on the line are ignored (err_overrun_o: a
+// master did not wait).  Behind an answer the next request may follow at once, or with strict_i only after t3.5; behind
+// a silent end only characters heard meanwhile make it wait for t3.5.  The other error strobes rise with the verdict, all that apply; CRC only when
+// nothing else explains it.
+
+`default_nettype none
+
+module modbus_frame_rx (
+  input  wire       clk_i,
+  input  wire       rst_i,
+  input  wire       gap_count_only_i,
+  input  wire       strict_i,        // level : strict turnaround
+
+  // Characters
+  input  wire       start_stb_i,
+  input  wire       char_stb_i,
+  input  wire       parity_error_i,
+  input  wire       framing_error_i,
+  input  wire       crc_zero_i,
+  input  wire       t15_i,
+  input  wire       t35_i,
+
+  // Frame RAM
+  input  wire [8:0] count_i,
+  output wire       open_stb_o,      // strobe: a frame begins; cursor, count and CRC to start
+  output wire       store_stb_o,     // strobe: the character belongs under the cursor
+
+  // Verdict
+  output wire       good_stb_o,      // strobe: good frame complete, t3.5 has passed
+  input  wire       done_stb_i,      // strobe: the frame was dealt with
+  input  wire       answered_i,      // level : with done_stb_i, an answer was sent
+  output wire       active_o,        // level : a frame is being received
+
+  output wire       err_parity_o,
+  output wire       err_framing_o,
+  output wire       err_overrun_o,
+  output wire       err_crc_o,
+  output wire       err_short_o,
+  output wire       err_long_o,
+  output wire       err_gap_o
+);
+
+  localparam [1:0] ST_INITIAL = 2'd0, ST_IDLE = 2'd1, ST_RECEPTION = 2'd2, ST_WORK = 2'd3;
+
+  reg [1:0] state_q = ST_INITIAL, state_d;
+  reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
+  reg       heard_q = 1'b0;          // a character came while we worked
+
+  wire reception = (state_q == ST_RECEPTION);
+  wire full      = count_i[8];
+  wire spoiled   = gap_q & ~gap_count_only_i;
+  wire is_short  = (count_i[8:2] == 7'd0);
+  wire broken    = parity_q | framing_q | long_q | spoiled | is_short;
+  wire heard     = heard_q | start_stb_i;
+  wire verdict   = reception & t35_i;
+  wire good      = verdict & ~broken & crc_zero_i;
+
+  assign open_stb_o  = (state_q == ST_IDLE) & start_stb_i;
+  assign store_stb_o = reception & char_stb_i & ~full & ~spoiled;
+
+  always @* begin
+    state_d = state_q;
+    case (state_q)
+      // Whatever is on the line began before we listened.
+      ST_INITIAL: if (t35_i) state_d = ST_IDLE;
+      // Silent: the next character is the first of a frame.
+      ST_IDLE: if (start_stb_i) state_d = ST_RECEPTION;
+      // Characters of one frame, until t3.5 of silence.
+      ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
+      // The frame is worked on and answered.
+      ST_WORK: if (done_stb_i) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+    endcase
+  end
+
+  always @(posedge clk_i) begin
+    state_q <= state_d;
+    heard_q <= (state_q == ST_WORK) & heard;
+    if (open_stb_o) begin
+      parity_q  <= 1'b0;
+      framing_q <= 1'b0;
+      long_q    <= 1'b0;
+      gap_q     <= 1'b0;
+    end else if (reception) begin
+      if (start_stb_i && t15_i) gap_q <= 1'b1;
+      if (char_stb_i) begin
+        parity_q  <= parity_q  | parity_error_i;
+        framing_q <= framing_q | framing_error_i;
+        long_q    <= long_q    | full;
+      end
+    end
+    if (rst_i) state_q <= ST_INITIAL;
+  end
+
+  assign good_stb_o    = good;
+  assign active_o      = reception;
+  assign err_parity_o  = verdict & parity_q;
+  assign err_framing_o = verdict & framing_q;
+  assign err_overrun_o = (state_q == ST_WORK) & done_stb_i & heard;
+  assign err_crc_o     = verdict & ~broken & ~crc_zero_i;
+  assign err_short_o   = verdict & is_short;
+  assign err_long_o    = verdict & long_q;
+  assign err_gap_o     = verdict & gap_q;
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_rtu_slave - drop-in Modbus RTU slave: core and block RAM with a Wishbone port for the host.
+//
+// Connect it between an RS-485 transceiver and your logic; see modbus_rtu_core for the line and modbus_bank_ram for
+// the host side.  A table of size 0 does not exist: its function codes answer exception 01 and cost nothing.
+
+`default_nettype none
+
+module modbus_rtu_slave #(
+  parameter CLK_HZ              = 50000000,      // clk_i in hertz
+  parameter T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
+  parameter T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
+  parameter FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
+  parameter MAX_READ_BITS       = 2000,          // 1..2000
+  parameter MAX_WRITE_BITS      = 1968,          // 1..1968
+  parameter MAX_READ_REGISTERS  = 125,           // 1..125
+  parameter MAX_WRITE_REGISTERS = 123,           // 1..123
+  parameter RW_MAX_READ         = 125,           // 1..125, function code 17H
+  parameter RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter COIL_BASE           = 0,             // first address of each table
+  parameter COIL_COUNT          = 64,            // its size, 0..65536; 0: no such table
+  parameter DISCRETE_BASE       = 0,
+  parameter DISCRETE_COUNT      = 64,
+  parameter INPUT_BASE          = 0,
+  parameter INPUT_COUNT         = 64,
+  parameter HOLDING_BASE        = 0,
+  parameter HOLDING_COUNT       = 64,
+  parameter READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
+  parameter READ_ONLY_COUNT     = 0,
+  parameter OVERLAY             = 0,             // 1: one block of HOLDING_COUNT registers, also as bits
+  parameter ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
+) (
+  input  wire        clk_i,
+  input  wire        rst_i,                      // synchronous, active high
+
+  // Line
+  input  wire        rxd_i,                      // asynchronous, idle 1
+  output wire        txd_o,                      // idle 1
+  output wire        de_o,                       // driver enable, active high
+
+  // Configuration: tie to constants, or change while the line is idle
+  input  wire [7:0]  address_i,                  // 1..247; other values: broadcast only
+  input  wire [15:0] bit_time_i,                 // clocks per bit, 8..65535
+  input  wire [1:0]  format_i,                   // 0 8E1, 1 8O1, 2 8N2, 3 8N1
+  input  wire        broadcast_en_i,             // 1: address 0 is obeyed
+  input  wire        gap_count_only_i,           // 1: a gap above t1.5 is only reported, 0: spoils the frame
+  input  wire        strict_turnaround_i,        // 1: t3.5 of silence behind the own answer
+  input  wire [11:0] response_delay_i,           // bit times before the answer
+  input  wire [15:0] stall_limit_i,              // bit times a bank may be silent, 0: for ever
+  input  wire [3:0]  de_lead_i,                  // bit times from driver enable to the start bit
+  input  wire [3:0]  de_tail_i,                  // bit times from the last stop bit to driver off
+  input  wire        busy_i,                     // 1: exception 06 where nothing else is wrong
+  input  wire        write_lock_i,               // 1: every write answers exception 02
+
+  // Host side of the RAM: Wishbone B4 classic slave
+  input  wire        host_cyc_i,
+  input  wire        host_stb_i,
+  input  wire        host_we_i,
+  input  wire [18:0] host_adr_i,                 // {space, item}
+  input  wire [15:0] host_dat_i,
+  output wire [15:0] host_dat_o,
+  output wire        host_ack_o,
+  output wire        host_err_o,                 // address outside the tables
+
+  // Events: strobes of one clock, but alive_o and rx_active_o
+  output wire        write_stb_o,                // a write is committed:
+  output wire [2:0]  write_space_o,              //   valid with write_stb_o
+  output wire [15:0] write_first_o,
+  output wire [15:0] write_last_o,
+  output wire        alive_o,                    // level : a master talks to us
+  output wire        rx_active_o,                // level : a frame is being received
+  output wire        frame_stb_o,                // good frame, for whomever
+  output wire        err_parity_o,               // bad frames, when they end
+  output wire        err_framing_o,
+  output wire        err_overrun_o,              // characters came while a request was worked on
+  output wire        err_crc_o,                  // check field wrong and nothing else
+  output wire        err_short_o,                // fewer than 4 bytes
+  output wire        err_long_o,                 // more than 256 bytes
+  output wire        err_gap_o                   // a gap above t1.5
+);
+
+  // The function codes of a table that does not exist are left out.
+  localparam CODES = FUNCTION_CODES
+                   & ((OVERLAY != 0 || COIL_COUNT != 0) ? 32'hFFFFFFFF : 32'hFFFF7FDD)    // 01 05 0F
+                   & ((OVERLAY != 0 || DISCRETE_COUNT != 0) ? 32'hFFFFFFFF : 32'hFFFFFFFB)    // 02
+                   & ((OVERLAY != 0 || INPUT_COUNT != 0) ? 32'hFFFFFFFF : 32'hFFFFFFEF)    // 04
+                   & ((HOLDING_COUNT != 0) ? 32'hFFFFFFFF : 32'hFF3EFFB7);   // 03 06 10 16 17
+
+  wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack;
+  wire [2:0]  grant_space;
+  wire [3:0]  exception;
+  wire [15:0] grant_first, grant_last, wb_write, wb_read;
+  wire [18:0] wb_adr;
+
+  modbus_rtu_core #(
+    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES),
+    .MAX_READ_BITS(MAX_READ_BITS), .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
+    .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
+    .ALIVE_TIMEOUT_MS(ALIVE_TIMEOUT_MS)
+  ) u_core (
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
+    .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
+    .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i),
+    .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i),
+    .de_tail_i(de_tail_i), .busy_i(busy_i), .grant_req_o(grant_req), .grant_space_o(grant_space),
+    .grant_first_o(grant_first), .grant_last_o(grant_last), .grant_write_o(grant_write),
+    .grant_ack_i(grant_ack), .exception_i(exception), .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we),
+    .wb_adr_o(wb_adr), .wb_dat_o(wb_write), .wb_dat_i(wb_read), .wb_ack_i(wb_ack), .wb_err_i(1'b0),
+    .write_stb_o(write_stb_o), .write_space_o(write_space_o), .write_first_o(write_first_o),
+    .write_last_o(write_last_o), .alive_o(alive_o), .rx_active_o(rx_active_o), .frame_stb_o(frame_stb_o),
+    .err_parity_o(err_parity_o), .err_framing_o(err_framing_o), .err_overrun_o(err_overrun_o),
+    .err_crc_o(err_crc_o), .err_short_o(err_short_o), .err_long_o(err_long_o), .err_gap_o(err_gap_o)
+  );
+
+  modbus_bank_ram #(
+    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
+    .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
+    .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
+    .READ_ONLY_COUNT(READ_ONLY_COUNT), .OVERLAY(OVERLAY)
+  ) u_bank (
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .grant_req_i(grant_req),
+    .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
+    .grant_write_i(grant_write), .grant_ack_o(grant_ack), .exception_o(exception), .wb_cyc_i(wb_cyc),
+    .wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write), .wb_dat_o(wb_read),
+    .wb_ack_o(wb_ack), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
+    .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o),
+    .host_err_o(host_err_o)
+  );
+
+endmodule
+
+`default_nettype wire
