@@ -62,9 +62,7 @@ class BadVariable(Exception):
 def number(name, text, allowed):
     """The decimal number `text` of the range `allowed`."""
     if not re.fullmatch(r"[0-9]{1,10}", text) or int(text) not in allowed:
-        raise BadVariable(
-            f"{name}={text}: must be a number from {allowed.start} to {allowed.stop - 1}"
-        )
+        raise BadVariable(f"{name}={text}: must be a number from {allowed.start} to {allowed.stop - 1}")
     return int(text)
 
 
@@ -96,9 +94,7 @@ def tables(text):
     for word in text.split():
         match = re.fullmatch(r"([a-z]+)=([0-9]{1,5})\+([0-9]{1,5})", word)
         if not match or match[1] not in TABLES:
-            raise BadVariable(
-                f"MAP: {word}: must be table=base+size, table one of {', '.join(TABLES)}"
-            )
+            raise BadVariable(f"MAP: {word}: must be table=base+size, table one of {', '.join(TABLES)}")
         name, base, size = match[1], int(match[2]), int(match[3])
         if name in named:
             raise BadVariable(f"MAP: {name} is named twice")
@@ -147,9 +143,7 @@ def runs(where, entry, addresses, values):
             if address not in addresses:
                 raise BadVariable(f"{where}: address {address} is outside the table ({extent(addresses)})")
             if not is_integer(value) or value not in values:
-                raise BadVariable(
-                    f"{where} {address}: {json.dumps(value)} is no number from 0 to {values[-1]}"
-                )
+                raise BadVariable(f"{where} {address}: {json.dumps(value)} is no number from 0 to {values[-1]}")
             yield address, value
 
 
