@@ -336,6 +336,7 @@ class Device {
       do clock();
       while (!dut_.host_ack_o && !dut_.host_err_o && ++waited < HOST_WAIT_CLOCKS);
       const bool written = dut_.host_ack_o;
+      clock();  // the edge at which the acknowledge counts
       dut_.host_cyc_i = dut_.host_stb_i = dut_.host_we_i = 0;
       clock();
       if (!written) fail("the core refused space " + std::to_string(space) + " item " + std::to_string(item));

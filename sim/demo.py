@@ -53,6 +53,10 @@ class Failure(Exception):
     """The device did not do its part; the text is for people."""
 
 
+class NoDevice(Exception):
+    """The device does not even start; no use going on."""
+
+
 @contextlib.contextmanager
 def device(vector, traced=False):
     """A live device with the slave address, limits and contents that an example presumes."""
@@ -69,7 +73,7 @@ def device(vector, traced=False):
     try:
         line = process.stdout.readline()
         if line != f"ready {LINK}\n":
-            raise Failure(f"the device did not start (status {process.wait()})")
+            raise NoDevice(f"the device did not start (status {process.wait()})")
         yield
         process.terminate()
         if process.wait(timeout=2) or (ROOT / LINK).is_symlink():
@@ -267,6 +271,9 @@ def main():
                 draw(TRACE, PICTURE, f"{vector['source'].split(';')[0]}: {vector['description'].lower()}")
         except Failure as failure:
             say(f"    NOT AS EXPECTED: {failure}")
+        except NoDevice as failure:
+            say(f"demo: {failure}")
+            return 1
     say()
     say(f"picture of {DRAWN}: {PICTURE.relative_to(ROOT)}")
     say(left_out())

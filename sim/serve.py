@@ -216,7 +216,7 @@ def compiled(values):
     """Path of the bridge for these core parameters, compiled now unless that was done before."""
     command = [
         *("verilator", "--cc", "--exe", "--build", "-j", "2", "-O3", "-Wno-fatal"),
-        *("--x-assign", "fast", "--x-initial", "fast", "--noassert"),
+        *("--language", "1364-2005", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
         *("--top-module", TOP, "--prefix", "Vslave", "-o", "bridge"),
         *("-MAKEFLAGS", "OPT_FAST=-O3", "-CFLAGS", f"-std=c++17 -DCLOCK_HZ={CLOCK_HZ}"),
         *("-f", "rtl/modbus.f", str(ROOT / "sim" / "bridge.cpp")),

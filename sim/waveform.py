@@ -164,7 +164,7 @@ def draw(trace_path, svg_path, title):
     """Draw the first request and its answer."""
     trace = load(trace_path)
     length = trace.character * trace.bit_time
-    driven = [at for at, level in trace.edges(3) if level or at][:2]  # de rises, de falls
+    driven = [at for at, _ in trace.edges(3)][1:3]  # de rises, de falls
     asked = [c for c in trace.characters(1) if c[0] < driven[0]]
     answered = [c for c in trace.characters(2) if driven[0] <= c[0] < driven[1]]
     end, begin = asked[-1][0] + length, answered[0][0]
