@@ -37,6 +37,18 @@ from .defs import (
 # None, "parity" or "framing".
 Character = namedtuple("Character", "byte gap error", defaults=(0.0, None))
 
+
+
+def split(line, t35):
+    """`line` cut at every silence of `t35` characters or more: what `Slave.request` takes."""
+    pieces = [[]]
+    for place, character in enumerate(characters(line)):
+        if place and character.gap >= t35:
+            pieces.append([])
+        pieces[-1].append(character)
+    return pieces
+
+
 REGISTER_BITS = 16
 
 

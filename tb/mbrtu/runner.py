@@ -100,9 +100,10 @@ def results(xml):
     return out
 
 
-def run(record_property, sim, top, modules, parameters=None, env=None, timeout_note=""):
+def run(record_property, sim, top, modules, parameters=None, env=None, only=None):
     """Build `top` and run the cocotb `modules` (a name or several) in it; fails if one test fails.
 
+    `only`, a regular expression, chooses among the cocotb tests; CASE from outside goes before it.
     Every cocotb test is handed to the closing count by `record_property`.
     """
     parameters = parameters or {}
@@ -114,8 +115,9 @@ def run(record_property, sim, top, modules, parameters=None, env=None, timeout_n
         "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
         **(env or {}),
     }
-    if os.environ.get("CASE"):
-        extra["COCOTB_TEST_FILTER"] = os.environ["CASE"]
+    case = os.environ.get("CASE") or only
+    if case:
+        extra["COCOTB_TEST_FILTER"] = case
     name = "_".join(m.rsplit(".", 1)[-1] for m in modules)
     log = folder / f"{name}.log"
     xml = runner.test(

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Run-time settings and the outputs towards the host: delay, driver enable, alive, host port."""
+
+import cocotb
+from cocotb.triggers import RisingEdge, Timer, with_timeout
+from mbrtu import frames
+from mbrtu.bench import CLOCK_PS, PARAMETERS, Bench
+from mbrtu.build import DEFAULT_CLK_HZ
+from mbrtu.defs import FC, Space
+from mbrtu.line import now
+
+OWN, OTHER = 17, 18
+READ = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 2))
+WORDS = 20
+
+
+@cocotb.test()
+@cocotb.parametrize(delay=[0, 1, 7, 100, 1000])
+async def response_delay(dut, delay):
+    """Counts in bit times on top of t3.5; the answer starts within a bit of it."""
+    tb = await Bench.start(dut, response_delay=delay)
+    assert await tb.both(READ) is not None
+    assert tb.longest_latency <= 2 + 64 / tb.setup.bit_time, f"{tb.longest_latency} bits late"
+    await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(lead=[0, 1, 5, 11, 15], tail=[0, 1, 6, 15])
+async def driver_enable_lead_and_tail(dut, lead, tail):
+    tb = await Bench.start(dut, de_lead=lead, de_tail=tail)
+    for _ in range(2):
+        assert await tb.both(READ) is not None
+        await tb.silence()
+    await tb.finish()
+
+
+@cocotb.test()
+async def settings_change_while_idle(dut):
+    """Address, rate and delay are inputs: a change takes hold with the next frame."""
+    tb = await Bench.start(dut)
+    for address, bit_time in ((17, 8), (33, 11), (247, 9), (1, 16), (17, 8)):
+        tb.apply(address=address, bit_time=bit_time)
+        await tb.silence()
+        request = frames.adu(address, frames.write_register(1, address))
+        assert await tb.both(request, note=f"{bit_time} clocks a bit") is not None
+    await tb.finish()
+
+
+@cocotb.test()
+async def receive_activity_is_shown(dut):
+    tb = await Bench.start(dut)
+    assert int(dut.rx_active_o.value) == 0
+    sender = cocotb.start_soon(tb.line.send(READ))
+    await with_timeout(RisingEdge(dut.rx_active_o), 100 * tb.bit, "ps")
+    assert not sender.done(), "rx_active_o rises only after the frame"
+    await sender
+    await tb.line.answer(tb.t35 + 400 * tb.bit)
+    await tb.silence()
+    assert int(dut.rx_active_o.value) == 0, "rx_active_o stays"
+    await tb.finish()
+
+
+@cocotb.test()
+async def alive_follows_good_frames_for_us(dut):
+    """Rises with a good frame for us, falls ALIVE_TIMEOUT_MS after the last one."""
+    tb = await Bench.start(dut)
+    timeout_ms = PARAMETERS.get("ALIVE_TIMEOUT_MS", 0)
+    bad = [frames.bad_crc(READ), frames.adu(OTHER, READ[1:-2]), READ[:5]]
+    for line in bad:
+        await tb.both(line)
+        assert int(dut.alive_o.value) == 0, f"alive after {frames.text(line)}"
+    await tb.both(READ)
+    assert int(dut.alive_o.value) == 1, "a good frame for us does not raise alive_o"
+    if not timeout_ms:
+        await tb.clocks(100_000)
+        assert int(dut.alive_o.value) == 1, "alive_o falls without a time-out"
+        return await tb.finish()
+    millisecond = PARAMETERS.get("CLK_HZ", DEFAULT_CLK_HZ) * CLOCK_PS // 1000
+    for _ in range(2):
+        heard = cocotb.start_soon(good_frame_time(dut))
+        await tb.both(READ)
+        last = await heard
+    # traffic that is not for us, or bad, does not keep it up
+    while now() < last + (timeout_ms - 2) * millisecond:
+        assert int(dut.alive_o.value) == 1, "alive_o fell early"
+        await tb.both(bad[(now() // millisecond) % len(bad)])
+    while int(dut.alive_o.value):
+        assert now() < last + (timeout_ms + 3) * millisecond, "alive_o stays"
+        await Timer(millisecond // 50, "ps")
+    late = (now() - last) / millisecond - timeout_ms
+    assert -1 <= late <= 1.1, f"alive_o fell {late:.2f} ms after its time"
+    await tb.both(READ)
+    assert int(dut.alive_o.value) == 1, "alive_o does not come back"
+    await tb.finish()
+
+
+async def good_frame_time(dut):
+    """When frame_stb_o rises next."""
+    await RisingEdge(dut.frame_stb_o)
+    return now()
+
+
+@cocotb.test()
+async def host_port_reaches_every_table(dut):
+    tb = await Bench.start(dut)
+    for space, (base, count) in tb.slave.config.tables.items():
+        for item in sorted({base - 1, base, base + count - 1, base + count, 0, 0xFFFF}):
+            if item not in range(65536):
+                continue
+            exists = base <= item < base + count
+            value = 1 if space in (Space.COILS, Space.DISCRETES) else 0xC0DE
+            assert (await tb.host(space, item, write=value) is not None) == exists, (space, item)
+            seen = await tb.host(space, item)
+            assert seen == (value if exists else None), f"{space.name} {item}: {seen}"
+            if exists:
+                await tb.host(space, item, write=0)
+    for space in (4, 5, 6, 7):
+        assert await tb.host(space, 0) is None, f"space {space} answers"
+        assert await tb.host(space, 0, write=1) is None, f"space {space} takes a write"
+    await tb.finish()
+
+
+@cocotb.test()
+async def bits_are_data_bit_0(dut):
+    """The other data bits of a coil are ignored when written and 0 when read."""
+    tb = await Bench.start(dut)
+    base, count = tb.slave.config.tables[Space.COILS]
+    if count > 1:
+        assert await tb.host(Space.COILS, base, write=0xFFFE) is not None
+        assert await tb.host(Space.COILS, base) == 0
+        assert await tb.host(Space.COILS, base, write=0xFFFF) is not None
+        assert await tb.host(Space.COILS, base) == 1
+        assert await tb.host(Space.COILS, base + 1) == 0
+        await tb.host(Space.COILS, base, write=0)
+    await tb.finish()
+
+
+@cocotb.test()
+async def host_and_line_share_the_memory_without_tearing(dut):
+    """The host reads a block again and again while the line rewrites it: always one whole block.
+
+    The host holds cyc over the block, as an arbiter would; the core's burst waits or goes first.
+    """
+    tb = await Bench.start(dut)
+    base, count = tb.slave.config.tables[Space.HOLDINGS]
+    words = min(WORDS, count)
+    stop, blocks = [], []
+
+    async def host():
+        pause = tb.rng
+        while not stop:
+            await RisingEdge(dut.clk_i)
+            block = []
+            dut.host_cyc_i.value, dut.host_we_i.value = 1, 0
+            for i in range(words):
+                dut.host_stb_i.value = 1
+                dut.host_adr_i.value = (int(Space.HOLDINGS) << 16) | (base + i)
+                while True:
+                    await RisingEdge(dut.clk_i)
+                    if int(dut.host_ack_o.value):
+                        break
+                block.append(int(dut.host_dat_o.value))
+            dut.host_cyc_i.value, dut.host_stb_i.value = 0, 0
+            blocks.append(block)
+            await tb.clocks(pause.randrange(1, 60))
+
+    reader = cocotb.start_soon(host())
+    for value in range(1, 25):
+        pdu = frames.write_registers(base, [value] * words)
+        assert await tb.both(frames.adu(OWN, pdu), timing=False) is not None
+    stop.append(True)
+    await reader
+    torn = [b for b in blocks if len(set(b)) != 1]
+    assert not torn, f"{len(torn)} of {len(blocks)} blocks torn, for example {torn[0]}"
+    assert len({b[0] for b in blocks}) > 10, "the host saw too few of the written values"
+    await tb.finish()
+
+
+@cocotb.test()
+async def core_waits_for_a_host_that_keeps_the_bus(dut):
+    tb = await Bench.start(dut)
+    dut.host_cyc_i.value = 1
+    await tb.line.send(READ)
+    assert await tb.line.answer(tb.t35 + 2000 * tb.bit) is None, "answered without the bus"
+    dut.host_cyc_i.value = 0
+    answer = await tb.line.answer(400 * tb.bit)
+    assert answer and answer.data == tb.slave.request(READ), f"seen {answer}"
+    await tb.finish()
+
+
+@cocotb.test()
+async def host_may_access_at_any_time(dut):
+    """Single accesses all the time do not disturb a request, nor the other way round."""
+    tb = await Bench.start(dut)
+    base, count = tb.slave.config.tables[Space.HOLDINGS]
+    own = base + count - 1
+    stop = []
+
+    async def host():
+        value = 0
+        while not stop:
+            value = (value + 1) & 0xFFFF
+            await tb.host(Space.HOLDINGS, own, write=value)
+            assert await tb.host(Space.HOLDINGS, own) == value
+            await tb.clocks(tb.rng.randrange(4))
+
+    task = cocotb.start_soon(host())
+    for number in range(6):
+        words = [tb.rng.getrandbits(16) for _ in range(min(10, count - 1))]
+        request = frames.adu(OWN, frames.write_registers(base, words))
+        assert await tb.both(request, timing=False, note=f"{number}") is not None
+        request = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, base, len(words)))
+        assert await tb.both(request, timing=False, note=f"{number}") is not None
+    stop.append(True)
+    await task
+    await tb.host(Space.HOLDINGS, own, write=0)
+    await tb.finish()
