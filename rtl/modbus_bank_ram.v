@@ -98,7 +98,7 @@ module modbus_bank_ram #(
   generate
     if (OVERLAY != 0) begin : gen_overlay
       localparam W = (HOLDING_COUNT > 1) ? $clog2(HOLDING_COUNT) : 1;
-      reg  [15:0] memory [0:HOLDING_COUNT-1];
+      (* no_rw_check *) reg [15:0] memory [0:HOLDING_COUNT-1];
       reg  [15:0] word_q;
       wire [11:0] register = bits ? item[15:4] : item[11:0];
       wire [15:0] mask     = bits ? 16'd1 << item[3:0] : 16'hFFFF;
@@ -122,28 +122,27 @@ module modbus_bank_ram #(
       localparam DISCRETE_SHIFT = COIL_COUNT - DISCRETE_BASE, INPUT_SHIFT = HOLDING_COUNT - INPUT_BASE;
       localparam COIL_SHIFT = -COIL_BASE, HOLDING_SHIFT = -HOLDING_BASE;
 
-      wire [16:0]   bit_shift  = (space[0]) ? DISCRETE_SHIFT[16:0] : COIL_SHIFT[16:0];
-      wire [16:0]   word_shift = (space[0]) ? HOLDING_SHIFT[16:0]  : INPUT_SHIFT[16:0];
-      wire [16:0]   at_bit  = {1'b0, item} + bit_shift;
-      wire [16:0]   at_word = {1'b0, item} + word_shift;
-      wire [15:0]   low  = bits ? (space[0] ? DISCRETE_BASE[15:0] : COIL_BASE[15:0])
-                                : (space[0] ? HOLDING_BASE[15:0]  : INPUT_BASE[15:0]);
-      wire [16:0]   size = bits ? (space[0] ? DISCRETE_COUNT[16:0] : COIL_COUNT[16:0])
-                                : (space[0] ? HOLDING_COUNT[16:0]  : INPUT_COUNT[16:0]);
+      wire [16:0]   place   = {1'b0, item};
+      wire [BW-1:0] at_bit  = place[BW-1:0] + (space[0] ? DISCRETE_SHIFT[BW-1:0] : COIL_SHIFT[BW-1:0]);
+      wire [WW-1:0] at_word = place[WW-1:0] + (space[0] ? HOLDING_SHIFT[WW-1:0]  : INPUT_SHIFT[WW-1:0]);
+      wire [16:0]   low     = bits ? (space[0] ? DISCRETE_BASE[16:0] : COIL_BASE[16:0])
+                                   : (space[0] ? HOLDING_BASE[16:0]  : INPUT_BASE[16:0]);
+      wire [16:0]   size    = bits ? (space[0] ? DISCRETE_COUNT[16:0] : COIL_COUNT[16:0])
+                                   : (space[0] ? HOLDING_COUNT[16:0]  : INPUT_COUNT[16:0]);
       wire          bit_out;
       wire [15:0]   word_out;
       integer       i;
 
-      assign exists = (space <= `MB_SPACE_HOLDINGS) & (item >= low) & ({1'b0, item} < {1'b0, low} + size);
+      assign exists = (space <= `MB_SPACE_HOLDINGS) & (place - low < size);
       assign read   = bits ? {15'd0, bit_out} : word_out;
 
       if (BITS > 0) begin : gen_bits
-        reg memory [0:BITS-1];
+        (* no_rw_check *) reg memory [0:BITS-1];
         reg bit_q;
         initial for (i = 0; i < BITS; i = i + 1) memory[i] = 1'b0;
         always @(posedge clk_i) begin
-          if (write && bits) memory[at_bit[BW-1:0]] <= data[0];
-          bit_q <= memory[at_bit[BW-1:0]];
+          if (write && bits) memory[at_bit] <= data[0];
+          bit_q <= memory[at_bit];
         end
         assign bit_out = bit_q;
       end else begin : gen_no_bits
@@ -151,12 +150,12 @@ module modbus_bank_ram #(
       end
 
       if (WORDS > 0) begin : gen_words
-        reg [15:0] memory [0:WORDS-1];
+        (* no_rw_check *) reg [15:0] memory [0:WORDS-1];
         reg [15:0] word_q;
         initial for (i = 0; i < WORDS; i = i + 1) memory[i] = 16'd0;
         always @(posedge clk_i) begin
-          if (write && !bits) memory[at_word[WW-1:0]] <= data;
-          word_q <= memory[at_word[WW-1:0]];
+          if (write && !bits) memory[at_word] <= data;
+          word_q <= memory[at_word];
         end
         assign word_out = word_q;
       end else begin : gen_no_words

@@ -5,8 +5,8 @@
 //
 // Holds the first address, the quantity and the last address of a range, and one byte on its way.  A burst moves the
 // whole range between the frame RAM and the bus under one wb_cyc_o: bits packed eight to a byte, least
-// significant first, the last byte filled with zeros; registers high byte first.  With a zero-wait bank a
-// register takes two clocks, a bit one clock and a byte of bits one more.
+// significant first, the last byte filled with zeros; registers high byte first.  A register takes two clocks,
+// a bit one and each byte of bits one more, beside the bank's wait states.
 //
 // The bus is Wishbone B4, classic cycles, 16 bits of data, address {space, item}.  A bit uses data bit 0; the other
 // data bits of a bit write mean nothing.  wb_err_i ends the burst with the bank's exception code (0 stands
@@ -42,8 +42,8 @@ module modbus_data_access #(
   input  wire [3:0]  code_i,         // level : exception code for an answer
 
   // Answers
-  output wire        in_limit_o,     // level : 1 <= quantity <= limit_i
-  output wire        bytes_fit_o,    // level : count_i + 1 is the byte count that the quantity needs
+  output wire        in_limit_o,     // level : 1 <= quantity <= limit_i, two clocks after quantity_i
+  output wire        bytes_fit_o,    // level : count_i + 1 is the byte count of the quantity; one clock late
   output wire        over_o,         // level : the range passes FFFFH, after range_i
   output wire        done_o,         // strobe
   output wire        fail_o,         // strobe
@@ -84,34 +84,39 @@ module modbus_data_access #(
   reg [15:0] first_q;
   reg [15:0] less_one_q;             // quantity - 1: what the last address and the byte count need
   reg [15:0] last_q;
-  reg        over_q;
+  reg        over_q, in_limit_q, bytes_fit_q;
   reg [7:0]  held_q;
   reg [2:0]  bit_q;
-  reg        ended_q;                // the byte on its way is the last
+  reg        ended_q;                // the last item is through
   reg        keep_q = 1'b0;
 
   wire words = (HAS_BITS == 0) || (HAS_WORDS != 0 && space_i[2:1] != 2'b00);
-  wire bits  = ~words;
-
-  // Bounds
   wire [7:0] bytes_less_one = words ? {less_one_q[6:0], 1'b1} : less_one_q[10:3];
 
-  assign in_limit_o  = (less_one_q[15:11] == 5'd0) & (less_one_q[10:0] < limit_i);
-  assign bytes_fit_o = (count_i == {1'b0, bytes_less_one});
-  assign over_o      = over_q;
-
   // Burst
-  wire beat    = (state_q == ST_BEAT);
-  wire ack     = beat & wb_ack_i & ~wb_err_i;
-  wire at_last = (first_q == last_q);
-  wire full    = (bit_q == 3'd7);
-  wire put_high = ack & ~write_i & words;
-  wire put_held = (state_q == ST_PUT);
-  wire take     = (state_q == ST_TAKE);
-  wire lost     = beat & (wb_err_i | (stall_i & ~wb_ack_i));
-  wire refused  = grant_i & (grant_ack_i ? exception_i != 4'd0 : stall_i);
-  wire granted  = grant_i & grant_ack_i & (exception_i == 4'd0);
-  wire burst_done = (put_held & ended_q) | (ack & write_i & at_last);
+  wire beat  = (state_q == ST_BEAT);
+  wire fill  = (state_q == ST_FILL);
+  wire put   = (state_q == ST_PUT);
+  wire take  = (state_q == ST_TAKE) & ~ended_q;
+  wire stb   = beat & ~ended_q;
+  wire ack   = stb & wb_ack_i & ~wb_err_i;
+  wire full  = (bit_q == 3'd7);
+  wire shift = ~words & (ack | fill);
+  wire put_high   = ack & ~write_i & words;
+  wire lost       = stb & (wb_err_i | (stall_i & ~wb_ack_i));
+  wire burst_done = ended_q & (put | (write_i & (beat | state_q == ST_TAKE)));
+  wire refused    = grant_i & (grant_ack_i ? exception_i != 4'd0 : stall_i);
+  wire granted    = grant_i & grant_ack_i & (exception_i == 4'd0);
+
+  // The held byte: from the bus or shifted while items move, else from the byte under the cursor or the status.
+  wire       moves  = beat | fill;
+  wire [7:0] moved  = words ? wb_dat_i[7:0] : {wb_dat_i[0] & beat, held_q[7:1]};
+  wire [1:0] what   = load_i ? load_what_i : `MB_LOAD_BYTE;
+  wire [7:0] status = load_flag_i ? {4'd0, code_i} : count_i[7:0];
+  wire [7:0] looked = (what == `MB_LOAD_STATUS)                  ? status :
+                      (what == `MB_LOAD_XOR && HAS_MASK != 0)    ? held_q ^ byte_i :
+                      (what == `MB_LOAD_AND && HAS_MASK != 0)    ? held_q & byte_i :
+                      {byte_i[7] | (load_i & load_flag_i), byte_i[6:0]};
 
   always @* begin
     state_d = state_q;
@@ -120,49 +125,39 @@ module modbus_data_access #(
       ST_REST: if (burst_i) state_d = write_i ? ST_TAKE : ST_BEAT;
       // The next byte to write (of a register the high one) leaves the frame.
       ST_TAKE: state_d = ST_BEAT;
-      // One item on the bus.
+      // One item on the bus; behind the last bit of a read the byte is filled up.
       ST_BEAT: begin
-        if (ack) begin
-          if (write_i)    state_d = at_last ? ST_REST : (words | full) ? ST_TAKE : ST_BEAT;
-          else if (words) state_d = ST_PUT;
-          else            state_d = full ? ST_PUT : at_last ? ST_FILL : ST_BEAT;
-        end
+        if (ended_q)                 state_d = ST_FILL;
+        else if (ack && (words || full)) state_d = write_i ? ST_TAKE : ST_PUT;
       end
       // Zeros above the last bit.
       ST_FILL: if (full) state_d = ST_PUT;
       // A byte of bits, or the low byte of a register, goes to the frame.
-      ST_PUT: state_d = ended_q ? ST_REST : ST_BEAT;
+      ST_PUT: state_d = ST_BEAT;
       default: state_d = ST_REST;
     endcase
-    if (lost) state_d = ST_REST;
+    if (lost || burst_done) state_d = ST_REST;
   end
-
-  wire shift = bits & (ack | (state_q == ST_FILL));
 
   always @(posedge clk_i) begin
     state_q <= state_d;
     if (burst_done || lost) keep_q <= keep_i & burst_done;
-    if (ack) ended_q <= at_last;
+    if (state_q == ST_REST) ended_q <= 1'b0;
+    else if (ack)           ended_q <= (first_q == last_q);
 
     if (state_q == ST_REST) bit_q <= 3'd0;
     else if (shift)         bit_q <= bit_q + 3'd1;
 
-    if (address_i)  first_q <= {held_q, byte_i};
-    else if (ack)   first_q <= first_q + 16'd1;
+    if (address_i) first_q <= {held_q, byte_i};
+    else if (ack)  first_q <= first_q + 16'd1;
     if (single_i)        less_one_q <= 16'd0;
     else if (quantity_i) less_one_q <= {held_q, byte_i} - 16'd1;
     if (range_i) {over_q, last_q} <= {1'b0, first_q} + {1'b0, less_one_q};
 
-    if (hold_i || take)                      held_q <= byte_i;
-    else if (put_high)                       held_q <= wb_dat_i[7:0];
-    else if (shift)                          held_q <= {wb_dat_i[0] & beat, held_q[7:1]};
-    else if (load_i)
-      case (load_what_i)
-        `MB_LOAD_BYTE: held_q <= byte_i | {load_flag_i, 7'd0};
-        `MB_LOAD_XOR:  held_q <= (HAS_MASK != 0) ? held_q ^ byte_i : byte_i;
-        `MB_LOAD_AND:  held_q <= (HAS_MASK != 0) ? held_q & byte_i : byte_i;
-        default:       held_q <= load_flag_i ? {4'd0, code_i} : count_i[7:0];
-      endcase
+    in_limit_q  <= (less_one_q[15:11] == 5'd0) & (less_one_q[10:0] < limit_i);
+    bytes_fit_q <= (count_i == {1'b0, bytes_less_one});
+
+    if (hold_i || take || load_i || ack || fill) held_q <= moves ? moved : looked;
 
     if (rst_i) begin
       state_q <= ST_REST;
@@ -170,27 +165,30 @@ module modbus_data_access #(
     end
   end
 
+  assign in_limit_o  = in_limit_q;
+  assign bytes_fit_o = bytes_fit_q;
+  assign over_o      = over_q;
   assign done_o      = granted | burst_done;
   assign fail_o      = refused | lost;
-  assign fail_code_o = refused ? (grant_ack_i ? exception_i : `MB_EX_DEVICE_BUSY)
-                               : (wb_err_i && exception_i != 4'd0) ? exception_i : `MB_EX_DEVICE_FAILURE;
+  assign fail_code_o = (grant_ack_i || wb_err_i) ? (exception_i | {1'b0, exception_i == 4'd0, 2'b00})
+                     : grant_i ? `MB_EX_DEVICE_BUSY : `MB_EX_DEVICE_FAILURE;
   assign held_o      = held_q;
   assign first_o     = first_q;
   assign last_o      = last_q;
 
-  assign put_o  = put_high | put_held;
-  assign data_o = put_high ? wb_dat_i[15:8] : held_q;
+  assign put_o  = put_high | put;
+  assign data_o = beat ? wb_dat_i[15:8] : held_q;
   assign step_o = take | (ack & write_i & words);
 
-  assign waiting_o = (grant_i & ~grant_ack_i) | (beat & ~wb_ack_i);
+  assign waiting_o = (grant_i & ~grant_ack_i) | (stb & ~wb_ack_i);
 
   assign grant_req_o   = grant_i;
   assign grant_write_o = write_i;
   assign wb_cyc_o = (state_q != ST_REST) | keep_q;
-  assign wb_stb_o = beat;
-  assign wb_we_o  = beat & write_i;
+  assign wb_stb_o = stb;
+  assign wb_we_o  = stb & write_i;
   assign wb_adr_o = {space_i, first_q};
-  assign wb_dat_o = {held_q, words ? byte_i : held_q};
+  assign wb_dat_o = {held_q, byte_i[7:1], words ? byte_i[0] : held_q[0]};
 
 endmodule
 

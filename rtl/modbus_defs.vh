@@ -7,16 +7,16 @@
 `define MODBUS_DEFS_VH
 
 // Function codes (MODBUS Application Protocol V1.1b3, clause 6)
-`define MB_FC_READ_COILS               8'h01
-`define MB_FC_READ_DISCRETE_INPUTS     8'h02
-`define MB_FC_READ_HOLDING_REGISTERS   8'h03
-`define MB_FC_READ_INPUT_REGISTERS     8'h04
-`define MB_FC_WRITE_SINGLE_COIL        8'h05
-`define MB_FC_WRITE_SINGLE_REGISTER    8'h06
-`define MB_FC_WRITE_MULTIPLE_COILS     8'h0F
-`define MB_FC_WRITE_MULTIPLE_REGISTERS 8'h10
-`define MB_FC_MASK_WRITE_REGISTER      8'h16
-`define MB_FC_READ_WRITE_REGISTERS     8'h17
+`define MB_FC_READ_COILS               32'h01
+`define MB_FC_READ_DISCRETE_INPUTS     32'h02
+`define MB_FC_READ_HOLDING_REGISTERS   32'h03
+`define MB_FC_READ_INPUT_REGISTERS     32'h04
+`define MB_FC_WRITE_SINGLE_COIL        32'h05
+`define MB_FC_WRITE_SINGLE_REGISTER    32'h06
+`define MB_FC_WRITE_MULTIPLE_COILS     32'h0F
+`define MB_FC_WRITE_MULTIPLE_REGISTERS 32'h10
+`define MB_FC_MASK_WRITE_REGISTER      32'h16
+`define MB_FC_READ_WRITE_REGISTERS     32'h17
 
 // Exception codes (V1.1b3, clause 7)
 `define MB_EX_ILLEGAL_FUNCTION     4'h1

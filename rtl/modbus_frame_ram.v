@@ -29,7 +29,7 @@ module modbus_frame_ram (
   output wire [8:0] count_o
 );
 
-  reg [7:0] memory [0:255];
+  (* no_rw_check *) reg [7:0] memory [0:255];   // no byte is read in the clock that writes it
   reg [7:0] byte_q;
   reg [7:0] cursor_q = 8'd0;
   reg [8:0] count_q = 9'd0;

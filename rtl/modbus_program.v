@@ -52,130 +52,118 @@ module modbus_program #(
 
   localparam [2:0] COILS = `MB_SPACE_COILS, DISCRETES = `MB_SPACE_DISCRETES,
                    INPUTS = `MB_SPACE_INPUTS, HOLDINGS = `MB_SPACE_HOLDINGS;
-  localparam [7:0] READING = 8'd0, WRITING = `MB_FLAG_WRITE, KEEP = `MB_FLAG_KEEP, RELEASE = 8'd0;
+  localparam [11:0] NO_FLAG = 12'd0, WRITE = `MB_FLAG_WRITE, KEEP = `MB_FLAG_KEEP;
 
   // Where the routines begin.  The table has 32 entries, one for each function code below 32.
-  localparam integer START = 0, EXCEPTION = 5, ECHO = 12, ANSWER = 15, ILLEGAL = 20,
-                   TABLE = 32, READ_COILS = 64, READ_DISCRETES = 73, READ_HOLDINGS = 82,
-                   READ_INPUTS = 91, WRITE_COIL = 100, WRITE_REGISTER = 112, WRITE_COILS = 124,
-                   WRITE_REGISTERS = 135, MASK_WRITE = 146, READ_WRITE = 177, PROGRAM_END = 206;
+  localparam integer START = 0, EXCEPTION = 5, ECHO = 12, ANSWER = 15, UNUSED = 20, TABLE = 32,
+                     READ_COILS = 64, READ_DISCRETES = 72, READ_HOLDINGS = 80, READ_INPUTS = 88,
+                     WRITE_COIL = 96, WRITE_REGISTER = 106, WRITE_COILS = 116, WRITE_REGISTERS = 126,
+                     MASK_WRITE = 136, READ_WRITE = 162, PROGRAM_END = 188;
 
-  // The steps in writing: one without argument, with a number, with a place in the frame, with a space
-  function [15:0] plain(input [4:0] step);
-    plain = {step, 11'd0};
+  // The steps in writing: plain, with a place in the frame, with a space, a load, a jump
+  function [15:0] plain(input [3:0] step, input [11:0] argument);
+    plain = {step, argument};
   endfunction
-  function [15:0] number(input [4:0] step, input [10:0] value);
-    number = {step, value};
+  function [15:0] at(input [3:0] step, input [3:0] place, input [11:0] flags);
+    at = {step, flags | {8'd0, place}};
   endfunction
-  function [15:0] at(input [4:0] step, input [3:0] place);
-    at = {step, 7'd0, place};
+  function [15:0] bank(input [3:0] step, input [2:0] space, input [11:0] flags);
+    bank = {step, flags | {1'b0, space, 8'd0}};
   endfunction
-  function [15:0] clear_at(input [3:0] place);
-    clear_at = {`MB_STEP_POINT, 3'd0, `MB_FLAG_CLEAR | {4'd0, place}};
+  function [15:0] load(input [1:0] what, input [3:0] place, input [11:0] flags);
+    load = {`MB_STEP_LOAD, flags | {6'd0, what, place}};
   endfunction
-  function [15:0] bank(input [4:0] step, input [2:0] space, input [7:0] flags);
-    bank = {step, space, flags};
+  function [15:0] go(input [7:0] target, input [11:0] flags);
+    go = {`MB_STEP_JUMP, flags | {4'd0, target}};
   endfunction
-  function [15:0] go(input integer target);
-    go = {`MB_STEP_JUMP, 3'd0, target[7:0]};
-  endfunction
-  function [15:0] load(input [1:0] what, input flag, input [3:0] place);
-    load = {`MB_STEP_LOAD, 4'd0, flag, what, place};
-  endfunction
-
-  localparam [15:0] NONE = {`MB_STEP_RAISE, 7'd0, `MB_EX_ILLEGAL_FUNCTION};
 
   // For us?  The two check bytes leave the count before the fields are taken.
   function [15:0] start(input integer n);
     case (n)
-      0: start = at(`MB_STEP_POINT, 4'd0);
-      1: start = at(`MB_STEP_FORGET, 4'd2);
-      2: start = at(`MB_STEP_POINT, 4'd0);
-      3: start = plain(`MB_STEP_ADDRESSED);
-      default: start = plain(`MB_STEP_FUNCTION);
+      0: start = at(`MB_STEP_POINT, 4'd0, NO_FLAG);
+      1: start = at(`MB_STEP_WALK, 4'd2, NO_FLAG);
+      2: start = at(`MB_STEP_POINT, 4'd0, NO_FLAG);
+      3: start = plain(`MB_STEP_ADDRESSED, NO_FLAG);
+      default: start = plain(`MB_STEP_FUNCTION, NO_FLAG);
     endcase
   endfunction
 
   // Function code with bit 7 set, exception code (V1.1b3, clause 7)
   function [15:0] exception(input integer n);
     case (n)
-      0: exception = clear_at(4'd0);
-      1: exception = at(`MB_STEP_COUNT, AT_FUNCTION);
-      2: exception = load(`MB_LOAD_BYTE, 1'b1, AT_FUNCTION);
-      3: exception = plain(`MB_STEP_PUT);
-      4: exception = load(`MB_LOAD_STATUS, 1'b1, AT_CODE);
-      5: exception = plain(`MB_STEP_PUT);
-      default: exception = plain(`MB_STEP_SEND);
+      0: exception = at(`MB_STEP_POINT, 4'd0, `MB_FLAG_CLEAR);
+      1: exception = at(`MB_STEP_WALK, AT_FUNCTION, `MB_FLAG_UP);
+      2: exception = load(`MB_LOAD_BYTE, AT_FUNCTION, `MB_FLAG_MARK);
+      3: exception = at(`MB_STEP_PUT, AT_FUNCTION, NO_FLAG);
+      4: exception = load(`MB_LOAD_STATUS, AT_CODE, `MB_FLAG_MARK);
+      5: exception = at(`MB_STEP_PUT, AT_CODE, NO_FLAG);
+      default: exception = plain(`MB_STEP_SEND, NO_FLAG);
     endcase
   endfunction
 
-  // The head of the request is the answer.
+  // The head of the request, up to a place, is the answer.
   function [15:0] echo(input integer n, input [3:0] place);
     case (n)
-      0: echo = clear_at(4'd0);
-      1: echo = at(`MB_STEP_COUNT, place);
-      default: echo = plain(`MB_STEP_SEND);
+      0: echo = at(`MB_STEP_POINT, 4'd0, `MB_FLAG_CLEAR);
+      1: echo = at(`MB_STEP_WALK, place, `MB_FLAG_UP);
+      default: echo = plain(`MB_STEP_SEND, NO_FLAG);
     endcase
   endfunction
 
   // The data stand at AT_READ_DATA and count is their number: put it before them.
   function [15:0] answer(input integer n);
     case (n)
-      0: answer = load(`MB_LOAD_STATUS, 1'b0, AT_BYTE_COUNT);
-      1: answer = plain(`MB_STEP_PUT);
-      2: answer = at(`MB_STEP_POINT, 4'd0);
-      3: answer = at(`MB_STEP_COUNT, AT_BYTE_COUNT);
-      default: answer = plain(`MB_STEP_SEND);
+      0: answer = load(`MB_LOAD_STATUS, AT_BYTE_COUNT, NO_FLAG);
+      1: answer = at(`MB_STEP_PUT, AT_BYTE_COUNT, NO_FLAG);
+      2: answer = at(`MB_STEP_POINT, 4'd0, NO_FLAG);
+      3: answer = at(`MB_STEP_WALK, AT_BYTE_COUNT, `MB_FLAG_UP);
+      default: answer = plain(`MB_STEP_SEND, NO_FLAG);
     endcase
   endfunction
 
   // 01 02 03 04: function, address, quantity
-  function [15:0] read_items(input integer n, input [2:0] space, input [10:0] highest);
+  function [15:0] read_items(input integer n, input [2:0] space, input [11:0] highest);
     case (n)
-      0: read_items = plain(`MB_STEP_UNICAST);
-      1: read_items = plain(`MB_STEP_ADDRESS);
-      2: read_items = number(`MB_STEP_QUANTITY, highest);
-      3: read_items = plain(`MB_STEP_END);
-      4: read_items = plain(`MB_STEP_RANGE);
-      5: read_items = bank(`MB_STEP_GRANT, space, READING);
-      6: read_items = clear_at(AT_READ_DATA);
-      7: read_items = bank(`MB_STEP_READ, space, RELEASE);
-      default: read_items = go(ANSWER);
+      0: read_items = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      1: read_items = plain(`MB_STEP_QUANTITY, highest);
+      2: read_items = plain(`MB_STEP_END, NO_FLAG);
+      3: read_items = plain(`MB_STEP_RANGE, NO_FLAG);
+      4: read_items = bank(`MB_STEP_GRANT, space, NO_FLAG);
+      5: read_items = at(`MB_STEP_POINT, AT_READ_DATA, `MB_FLAG_CLEAR);
+      6: read_items = bank(`MB_STEP_BURST, space, NO_FLAG);
+      default: read_items = go(ANSWER[7:0], NO_FLAG);
     endcase
   endfunction
 
   // 05 06: function, address, value
   function [15:0] write_item(input integer n, input [2:0] space);
     case (n)
-      0: write_item = plain(`MB_STEP_ADDRESS);
-      1: write_item = (space == COILS) ? plain(`MB_STEP_COIL) : at(`MB_STEP_FORGET, AT_VALUE_END);
-      2: write_item = plain(`MB_STEP_END);
-      3: write_item = plain(`MB_STEP_SINGLE);
-      4: write_item = plain(`MB_STEP_RANGE);
-      5: write_item = bank(`MB_STEP_GRANT, space, WRITING);
-      6: write_item = at(`MB_STEP_POINT, AT_VALUE);
-      7: write_item = bank(`MB_STEP_WRITE, space, RELEASE);
-      8: write_item = at(`MB_STEP_POINT, AT_ADDRESS);
-      9: write_item = plain(`MB_STEP_ADDRESS);
-      10: write_item = bank(`MB_STEP_WRITTEN, space, 8'd0);
-      default: write_item = go(ECHO);
+      0: write_item = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      1: write_item = (space == COILS) ? plain(`MB_STEP_COIL, NO_FLAG) : at(`MB_STEP_WALK, AT_VALUE_END, NO_FLAG);
+      2: write_item = plain(`MB_STEP_END, NO_FLAG);
+      3: write_item = plain(`MB_STEP_RANGE, `MB_FLAG_SINGLE);
+      4: write_item = bank(`MB_STEP_GRANT, space, WRITE);
+      5: write_item = at(`MB_STEP_POINT, AT_VALUE, NO_FLAG);
+      6: write_item = bank(`MB_STEP_BURST, space, WRITE);
+      7: write_item = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
+      8: write_item = bank(`MB_STEP_ADDRESS, space, `MB_FLAG_WRITTEN);
+      default: write_item = go(ECHO[7:0], NO_FLAG);
     endcase
   endfunction
 
   // 0F 10: function, address, quantity, byte count, data
-  function [15:0] write_items(input integer n, input [2:0] space, input [10:0] highest);
+  function [15:0] write_items(input integer n, input [2:0] space, input [11:0] highest);
     case (n)
-      0: write_items = plain(`MB_STEP_ADDRESS);
-      1: write_items = number(`MB_STEP_QUANTITY, highest);
-      2: write_items = bank(`MB_STEP_BYTE_COUNT, space, 8'd0);
-      3: write_items = plain(`MB_STEP_RANGE);
-      4: write_items = bank(`MB_STEP_GRANT, space, WRITING);
-      5: write_items = at(`MB_STEP_POINT, AT_DATA);
-      6: write_items = bank(`MB_STEP_WRITE, space, RELEASE);
-      7: write_items = at(`MB_STEP_POINT, AT_ADDRESS);
-      8: write_items = plain(`MB_STEP_ADDRESS);
-      9: write_items = bank(`MB_STEP_WRITTEN, space, 8'd0);
-      default: write_items = go(ECHO);
+      0: write_items = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      1: write_items = plain(`MB_STEP_QUANTITY, highest);
+      2: write_items = bank(`MB_STEP_BYTE_COUNT, space, NO_FLAG);
+      3: write_items = plain(`MB_STEP_RANGE, NO_FLAG);
+      4: write_items = bank(`MB_STEP_GRANT, space, WRITE);
+      5: write_items = at(`MB_STEP_POINT, AT_DATA, NO_FLAG);
+      6: write_items = bank(`MB_STEP_BURST, space, WRITE);
+      7: write_items = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
+      8: write_items = bank(`MB_STEP_ADDRESS, space, `MB_FLAG_WRITTEN);
+      default: write_items = go(ECHO[7:0], NO_FLAG);
     endcase
   endfunction
 
@@ -183,35 +171,30 @@ module modbus_program #(
   // ((register ^ or) & and) ^ or: one byte at a time in the scratch place, old and new under one bus cycle.
   function [15:0] mask_write(input integer n);
     case (n)
-      0: mask_write = plain(`MB_STEP_UNICAST);
-      1: mask_write = plain(`MB_STEP_ADDRESS);
-      2: mask_write = at(`MB_STEP_FORGET, AT_MASK_END);
-      3: mask_write = plain(`MB_STEP_END);
-      4: mask_write = plain(`MB_STEP_SINGLE);
-      5: mask_write = plain(`MB_STEP_RANGE);
-      6: mask_write = bank(`MB_STEP_GRANT, HOLDINGS, WRITING);
-      7: mask_write = at(`MB_STEP_POINT, AT_SCRATCH);
-      8: mask_write = bank(`MB_STEP_READ, HOLDINGS, KEEP);
-      9: mask_write = load(`MB_LOAD_BYTE, 1'b0, AT_SCRATCH);
-      10: mask_write = load(`MB_LOAD_XOR, 1'b0, AT_OR_MASK);
-      11: mask_write = load(`MB_LOAD_AND, 1'b0, AT_AND_MASK);
-      12: mask_write = load(`MB_LOAD_XOR, 1'b0, AT_OR_MASK);
-      13: mask_write = at(`MB_STEP_POINT, AT_SCRATCH);
-      14: mask_write = plain(`MB_STEP_PUT);
-      15: mask_write = load(`MB_LOAD_BYTE, 1'b0, AT_SCRATCH + 4'd1);
-      16: mask_write = load(`MB_LOAD_XOR, 1'b0, AT_OR_MASK + 4'd1);
-      17: mask_write = load(`MB_LOAD_AND, 1'b0, AT_AND_MASK + 4'd1);
-      18: mask_write = load(`MB_LOAD_XOR, 1'b0, AT_OR_MASK + 4'd1);
-      19: mask_write = at(`MB_STEP_POINT, AT_SCRATCH + 4'd1);
-      20: mask_write = plain(`MB_STEP_PUT);
-      21: mask_write = at(`MB_STEP_POINT, AT_ADDRESS);
-      22: mask_write = plain(`MB_STEP_ADDRESS);
-      23: mask_write = at(`MB_STEP_POINT, AT_SCRATCH);
-      24: mask_write = bank(`MB_STEP_WRITE, HOLDINGS, RELEASE);
-      25: mask_write = at(`MB_STEP_POINT, AT_ADDRESS);
-      26: mask_write = plain(`MB_STEP_ADDRESS);
-      27: mask_write = bank(`MB_STEP_WRITTEN, HOLDINGS, 8'd0);
-      default: mask_write = echo(n - 28, AT_MASK_END);
+      0: mask_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      1: mask_write = at(`MB_STEP_WALK, AT_MASK_END, NO_FLAG);
+      2: mask_write = plain(`MB_STEP_END, NO_FLAG);
+      3: mask_write = plain(`MB_STEP_RANGE, `MB_FLAG_SINGLE);
+      4: mask_write = bank(`MB_STEP_GRANT, HOLDINGS, WRITE);
+      5: mask_write = at(`MB_STEP_POINT, AT_SCRATCH, NO_FLAG);
+      6: mask_write = bank(`MB_STEP_BURST, HOLDINGS, KEEP);
+      7: mask_write = load(`MB_LOAD_BYTE, AT_SCRATCH, NO_FLAG);
+      8: mask_write = load(`MB_LOAD_XOR, AT_OR_MASK, NO_FLAG);
+      9: mask_write = load(`MB_LOAD_AND, AT_AND_MASK, NO_FLAG);
+      10: mask_write = load(`MB_LOAD_XOR, AT_OR_MASK, NO_FLAG);
+      11: mask_write = at(`MB_STEP_PUT, AT_SCRATCH, NO_FLAG);
+      12: mask_write = load(`MB_LOAD_BYTE, AT_SCRATCH + 4'd1, NO_FLAG);
+      13: mask_write = load(`MB_LOAD_XOR, AT_OR_MASK + 4'd1, NO_FLAG);
+      14: mask_write = load(`MB_LOAD_AND, AT_AND_MASK + 4'd1, NO_FLAG);
+      15: mask_write = load(`MB_LOAD_XOR, AT_OR_MASK + 4'd1, NO_FLAG);
+      16: mask_write = at(`MB_STEP_PUT, AT_SCRATCH + 4'd1, NO_FLAG);
+      17: mask_write = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
+      18: mask_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      19: mask_write = at(`MB_STEP_POINT, AT_SCRATCH, NO_FLAG);
+      20: mask_write = bank(`MB_STEP_BURST, HOLDINGS, WRITE);
+      21: mask_write = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
+      22: mask_write = bank(`MB_STEP_ADDRESS, HOLDINGS, `MB_FLAG_WRITTEN);
+      default: mask_write = echo(n - 23, AT_MASK_END);
     endcase
   endfunction
 
@@ -219,77 +202,83 @@ module modbus_program #(
   // Both ranges are granted before the first write; the write comes first (clause 6.17), under one bus cycle.
   function [15:0] read_write(input integer n);
     case (n)
-      0: read_write = plain(`MB_STEP_UNICAST);
-      1: read_write = plain(`MB_STEP_ADDRESS);
-      2: read_write = number(`MB_STEP_QUANTITY, RW_MAX_READ[10:0]);
-      3: read_write = plain(`MB_STEP_ADDRESS);
-      4: read_write = number(`MB_STEP_QUANTITY, RW_MAX_WRITE[10:0]);
-      5: read_write = bank(`MB_STEP_BYTE_COUNT, HOLDINGS, 8'd0);
-      6: read_write = plain(`MB_STEP_RANGE);
-      7: read_write = bank(`MB_STEP_GRANT, HOLDINGS, WRITING);
-      8: read_write = at(`MB_STEP_POINT, AT_ADDRESS);
-      9: read_write = plain(`MB_STEP_ADDRESS);
-      10: read_write = number(`MB_STEP_QUANTITY, RW_MAX_READ[10:0]);
-      11: read_write = plain(`MB_STEP_RANGE);
-      12: read_write = bank(`MB_STEP_GRANT, HOLDINGS, READING);
-      13: read_write = plain(`MB_STEP_ADDRESS);
-      14: read_write = number(`MB_STEP_QUANTITY, RW_MAX_WRITE[10:0]);
-      15: read_write = plain(`MB_STEP_RANGE);
-      16: read_write = at(`MB_STEP_POINT, AT_RW_DATA);
-      17: read_write = bank(`MB_STEP_WRITE, HOLDINGS, KEEP);
-      18: read_write = at(`MB_STEP_POINT, AT_RW_WRITE);
-      19: read_write = plain(`MB_STEP_ADDRESS);
-      20: read_write = bank(`MB_STEP_WRITTEN, HOLDINGS, 8'd0);
-      21: read_write = at(`MB_STEP_POINT, AT_ADDRESS);
-      22: read_write = plain(`MB_STEP_ADDRESS);
-      23: read_write = number(`MB_STEP_QUANTITY, RW_MAX_READ[10:0]);
-      24: read_write = plain(`MB_STEP_RANGE);
-      25: read_write = clear_at(AT_READ_DATA);
-      26: read_write = bank(`MB_STEP_READ, HOLDINGS, RELEASE);
-      default: read_write = go(ANSWER);
+      0: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      1: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[11:0]);
+      2: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      3: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_WRITE[11:0]);
+      4: read_write = bank(`MB_STEP_BYTE_COUNT, HOLDINGS, NO_FLAG);
+      5: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
+      6: read_write = bank(`MB_STEP_GRANT, HOLDINGS, WRITE);
+      7: read_write = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
+      8: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      9: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[11:0]);
+      10: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
+      11: read_write = bank(`MB_STEP_GRANT, HOLDINGS, NO_FLAG);
+      12: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      13: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_WRITE[11:0]);
+      14: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
+      15: read_write = at(`MB_STEP_POINT, AT_RW_DATA, NO_FLAG);
+      16: read_write = bank(`MB_STEP_BURST, HOLDINGS, WRITE | KEEP);
+      17: read_write = at(`MB_STEP_POINT, AT_RW_WRITE, NO_FLAG);
+      18: read_write = bank(`MB_STEP_ADDRESS, HOLDINGS, `MB_FLAG_WRITTEN);
+      19: read_write = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
+      20: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
+      21: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[11:0]);
+      22: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
+      23: read_write = at(`MB_STEP_POINT, AT_READ_DATA, `MB_FLAG_CLEAR);
+      24: read_write = bank(`MB_STEP_BURST, HOLDINGS, NO_FLAG);
+      default: read_write = go(ANSWER[7:0], NO_FLAG);
     endcase
   endfunction
 
-  // One entry for each function code
+  // An exception raised by nobody is 01, so whatever has no routine goes there.
+  localparam [15:0] ILLEGAL = {`MB_STEP_JUMP, 4'd0, EXCEPTION[7:0]};
+
+  // One entry for each function code: where its routine is, and whether a broadcast may go there
   function [15:0] entry(input integer code);
     begin
-      entry = NONE;
+      entry = ILLEGAL;
       if (FUNCTION_CODES[code])
-        case (code[7:0])
-          `MB_FC_READ_COILS:               entry = go(READ_COILS);
-          `MB_FC_READ_DISCRETE_INPUTS:     entry = go(READ_DISCRETES);
-          `MB_FC_READ_HOLDING_REGISTERS:   entry = go(READ_HOLDINGS);
-          `MB_FC_READ_INPUT_REGISTERS:     entry = go(READ_INPUTS);
-          `MB_FC_WRITE_SINGLE_COIL:        entry = go(WRITE_COIL);
-          `MB_FC_WRITE_SINGLE_REGISTER:    entry = go(WRITE_REGISTER);
-          `MB_FC_WRITE_MULTIPLE_COILS:     entry = go(WRITE_COILS);
-          `MB_FC_WRITE_MULTIPLE_REGISTERS: entry = go(WRITE_REGISTERS);
-          `MB_FC_MASK_WRITE_REGISTER:      entry = go(MASK_WRITE);
-          `MB_FC_READ_WRITE_REGISTERS:     entry = go(READ_WRITE);
-          default:                         entry = NONE;
+        case (code)
+          `MB_FC_READ_COILS:               entry = go(READ_COILS[7:0], `MB_FLAG_UNICAST);
+          `MB_FC_READ_DISCRETE_INPUTS:     entry = go(READ_DISCRETES[7:0], `MB_FLAG_UNICAST);
+          `MB_FC_READ_HOLDING_REGISTERS:   entry = go(READ_HOLDINGS[7:0], `MB_FLAG_UNICAST);
+          `MB_FC_READ_INPUT_REGISTERS:     entry = go(READ_INPUTS[7:0], `MB_FLAG_UNICAST);
+          `MB_FC_WRITE_SINGLE_COIL:        entry = go(WRITE_COIL[7:0], NO_FLAG);
+          `MB_FC_WRITE_SINGLE_REGISTER:    entry = go(WRITE_REGISTER[7:0], NO_FLAG);
+          `MB_FC_WRITE_MULTIPLE_COILS:     entry = go(WRITE_COILS[7:0], NO_FLAG);
+          `MB_FC_WRITE_MULTIPLE_REGISTERS: entry = go(WRITE_REGISTERS[7:0], NO_FLAG);
+          `MB_FC_MASK_WRITE_REGISTER:      entry = go(MASK_WRITE[7:0], `MB_FLAG_UNICAST);
+          `MB_FC_READ_WRITE_REGISTERS:     entry = go(READ_WRITE[7:0], `MB_FLAG_UNICAST);
+          default:                         entry = ILLEGAL;
         endcase
     end
   endfunction
 
+  // Where a routine is left out its place is empty, so that a memory made of logic shrinks too.
+  function [15:0] built(input integer code, input [15:0] step);
+    built = (((FUNCTION_CODES >> code) & 1) != 0) ? step : ILLEGAL;
+  endfunction
+
   function [15:0] content(input integer n);
     begin
-      content = NONE;
-      if (n < EXCEPTION)             content = start(n - START);
-      else if (n < ECHO)             content = exception(n - EXCEPTION);
-      else if (n < ANSWER)           content = echo(n - ECHO, AT_VALUE_END);
-      else if (n < ILLEGAL)          content = answer(n - ANSWER);
-      else if (n < TABLE)            content = NONE;
-      else if (n < READ_COILS)       content = entry(n - TABLE);
-      else if (n < READ_DISCRETES)   content = read_items(n - READ_COILS, COILS, MAX_READ_BITS[10:0]);
-      else if (n < READ_HOLDINGS)    content = read_items(n - READ_DISCRETES, DISCRETES, MAX_READ_BITS[10:0]);
-      else if (n < READ_INPUTS)      content = read_items(n - READ_HOLDINGS, HOLDINGS, MAX_READ_REGISTERS[10:0]);
-      else if (n < WRITE_COIL)       content = read_items(n - READ_INPUTS, INPUTS, MAX_READ_REGISTERS[10:0]);
-      else if (n < WRITE_REGISTER)   content = write_item(n - WRITE_COIL, COILS);
-      else if (n < WRITE_COILS)      content = write_item(n - WRITE_REGISTER, HOLDINGS);
-      else if (n < WRITE_REGISTERS)  content = write_items(n - WRITE_COILS, COILS, MAX_WRITE_BITS[10:0]);
-      else if (n < MASK_WRITE)       content = write_items(n - WRITE_REGISTERS, HOLDINGS, MAX_WRITE_REGISTERS[10:0]);
-      else if (n < READ_WRITE)       content = mask_write(n - MASK_WRITE);
-      else if (n < PROGRAM_END)      content = read_write(n - READ_WRITE);
+      content = ILLEGAL;
+      if (n < EXCEPTION)            content = start(n - START);
+      else if (n < ECHO)            content = exception(n - EXCEPTION);
+      else if (n < ANSWER)          content = echo(n - ECHO, AT_VALUE_END);
+      else if (n < UNUSED)          content = answer(n - ANSWER);
+      else if (n < TABLE)           content = ILLEGAL;
+      else if (n < READ_COILS)      content = entry(n - TABLE);
+      else if (n < READ_DISCRETES)  content = built(1, read_items(n - READ_COILS, COILS, MAX_READ_BITS[11:0]));
+      else if (n < READ_HOLDINGS)   content = built(2, read_items(n - READ_DISCRETES, DISCRETES, MAX_READ_BITS[11:0]));
+      else if (n < READ_INPUTS)     content = built(3, read_items(n - READ_HOLDINGS, HOLDINGS, MAX_READ_REGISTERS[11:0]));
+      else if (n < WRITE_COIL)      content = built(4, read_items(n - READ_INPUTS, INPUTS, MAX_READ_REGISTERS[11:0]));
+      else if (n < WRITE_REGISTER)  content = built(5, write_item(n - WRITE_COIL, COILS));
+      else if (n < WRITE_COILS)     content = built(6, write_item(n - WRITE_REGISTER, HOLDINGS));
+      else if (n < WRITE_REGISTERS) content = built(15, write_items(n - WRITE_COILS, COILS, MAX_WRITE_BITS[11:0]));
+      else if (n < MASK_WRITE)      content = built(16, write_items(n - WRITE_REGISTERS, HOLDINGS, MAX_WRITE_REGISTERS[11:0]));
+      else if (n < READ_WRITE)      content = built(22, mask_write(n - MASK_WRITE));
+      else if (n < PROGRAM_END)     content = built(23, read_write(n - READ_WRITE));
     end
   endfunction
 

@@ -104,7 +104,7 @@ module modbus_rtu_core #(
   wire [1:0] quarter;
 
   modbus_bit_clock u_bit_clock (
-    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time_i), .restart_i(rx_restart | tx_restart | send_stb),
+    .clk_i(clk_i), .bit_time_i(bit_time_i), .restart_i(rx_restart | tx_restart | send_stb),
     .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
   );
 
@@ -154,7 +154,7 @@ module modbus_rtu_core #(
     .point_i(open_stb | do_point), .point_at_i(open_stb ? 4'd0 : do_point_at),
     .step_i(store_stb | do_step | move_put | move_step | tx_step),
     .clear_i(open_stb | do_clear), .up_i(store_stb | do_up | move_put), .down_i(do_down | tx_step),
-    .write_i(store_stb | do_put | move_put), .data_i(store_stb ? rx_data : move_data),
+    .write_i(store_stb | do_put | move_put), .data_i(rx_active_o ? rx_data : move_data),
     .byte_o(frame_byte), .cursor_o(cursor), .count_o(count)
   );
 
@@ -168,7 +168,7 @@ module modbus_rtu_core #(
   // Requests
   wire [7:0]  program_at;
   wire [15:0] program_step;
-  wire        addressed_stb, do_hold, do_address, do_quantity, do_single, do_range, do_load, do_grant, do_burst, do_write;
+  wire        addressed_stb, do_hold, do_address, do_quantity, do_single, do_range, do_load, do_grant, do_burst;
   wire        in_limit, bytes_fit, over, done, fail, waiting, stall;
   wire [10:0] argument;
   wire [3:0]  code, fail_code;
@@ -186,7 +186,7 @@ module modbus_rtu_core #(
     .byte_i(frame_byte), .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at),
     .clear_o(do_clear), .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put),
     .hold_o(do_hold), .address_o(do_address), .quantity_o(do_quantity), .single_o(do_single), .range_o(do_range),
-    .load_o(do_load), .grant_o(do_grant), .burst_o(do_burst), .write_o(do_write), .argument_o(argument),
+    .load_o(do_load), .grant_o(do_grant), .burst_o(do_burst), .argument_o(argument),
     .code_o(code), .in_limit_i(in_limit), .bytes_fit_i(bytes_fit), .over_i(over), .done_i(done), .fail_i(fail),
     .fail_code_i(fail_code), .held_i(held)
   );
@@ -194,7 +194,7 @@ module modbus_rtu_core #(
   modbus_data_access #(.HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK)) u_data_access (
     .clk_i(clk_i), .rst_i(rst_i), .hold_i(do_hold), .address_i(do_address), .quantity_i(do_quantity),
     .single_i(do_single), .range_i(do_range), .load_i(do_load), .load_what_i(argument[5:4]),
-    .load_flag_i(argument[6]), .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(argument[1]),
+    .load_flag_i(argument[6]), .grant_i(do_grant), .burst_i(do_burst), .write_i(argument[0]), .keep_i(argument[1]),
     .space_i(argument[10:8]), .limit_i(argument), .code_i(code), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
     .over_o(over), .done_o(done), .fail_o(fail), .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o),
     .last_o(grant_last_o), .byte_i(frame_byte), .count_i(count), .put_o(move_put), .data_o(move_data),

@@ -5,7 +5,7 @@
 //
 // Each bit is looked at 1/4, 1/2 and 3/4 through; two equal looks decide it.  The first two mostly agree, so
 // the stop bit is judged at its middle and the next start bit may come early (a fast sender).
-// A spike shorter than 1/4 bit spoils at most one look.  A start bit that is high again
+// The looks are centred on the clock in which the edge may have fallen.  A spike shorter than 1/4 bit spoils at most one look.  A start bit that is high again
 // after 1/4 bit, or by majority, was a spike: nothing is reported.
 //
 // After a framing error (first stop bit low) or a break the line must go high before the next start bit
@@ -28,7 +28,7 @@ module modbus_uart_rx (
   input  wire       rxd_i,           // level : synchronised
 
   // Bit clock
-  output wire       restart_o,       // strobe: a start bit may begin here
+  output wire       restart_o,       // strobe: a start bit may have begun
   input  wire       quarter_stb_i,
   input  wire [1:0] quarter_i,
 
@@ -52,6 +52,7 @@ module modbus_uart_rx (
 
   reg [1:0] state_q = ST_IDLE, state_d;
   reg [3:0] index_q = 4'd0;          // 0 start, 1..8 data, then parity, stop
+  reg       line_q = 1'b1;           // the line one clock ago: an edge is seen half a clock late on average
   reg       first_q = 1'b1;          // the look at 1/4
   reg       decided_q = 1'b0;
   reg [7:0] data_q = 8'h00;
@@ -61,11 +62,11 @@ module modbus_uart_rx (
 
   // Whichever look completes the majority has the majority's value.
   wire decide   = quarter_stb_i & ~decided_q &
-                  ((quarter_i == 2'd1 && rxd_i == first_q) || quarter_i == 2'd2);
+                  ((quarter_i == 2'd1 && line_q == first_q) || quarter_i == 2'd2);
   wire is_stop   = (index_q == bit_stop);
   wire is_parity = has_parity && index_q == BIT_PARITY;
   wire begin_char = (state_q == ST_IDLE) & enable_i & ~rxd_i;
-  wire confirm    = (state_q == ST_START) & decide & ~rxd_i;
+  wire confirm    = (state_q == ST_START) & decide & ~line_q;
   wire take_bit   = (state_q == ST_BITS) & decide;
   wire finish     = take_bit & is_stop;
 
@@ -77,10 +78,10 @@ module modbus_uart_rx (
       // It has fallen: a start bit, or a spike.
       ST_START: begin
         if (confirm) state_d = ST_BITS;
-        else if (decide || (quarter_stb_i && quarter_i == 2'd0 && rxd_i)) state_d = ST_IDLE;
+        else if (decide || (quarter_stb_i && quarter_i == 2'd0 && line_q)) state_d = ST_IDLE;
       end
       // Data, parity and stop bits pass.
-      ST_BITS: if (finish) state_d = rxd_i ? ST_IDLE : ST_BREAK;
+      ST_BITS: if (finish) state_d = line_q ? ST_IDLE : ST_BREAK;
       // The stop bit was 0: wait for the line to rest.
       ST_BREAK: if (rxd_i) state_d = ST_IDLE;
     endcase
@@ -88,19 +89,20 @@ module modbus_uart_rx (
   end
 
   always @(posedge clk_i) begin
+    line_q      <= rxd_i;
     start_stb_q <= confirm & enable_i;
     bit_stb_q   <= take_bit & ~is_stop & ~is_parity;
     char_stb_q  <= finish & enable_i;
-    if (finish) framing_error_q <= ~rxd_i;
+    if (finish) framing_error_q <= ~line_q;
 
     if (quarter_stb_i) begin
-      if (quarter_i == 2'd0) first_q <= rxd_i;
+      if (quarter_i == 2'd0) first_q <= line_q;
       decided_q <= (decided_q | decide) & (quarter_i != 2'd3);
       if (quarter_i == 2'd3) index_q <= index_q + 4'd1;
     end
     if (take_bit && !is_stop) begin
-      parity_q <= parity_q ^ rxd_i;
-      if (!is_parity) data_q <= {rxd_i, data_q[7:1]};
+      parity_q <= parity_q ^ line_q;
+      if (!is_parity) data_q <= {line_q, data_q[7:1]};
     end
     if (begin_char) begin
       index_q   <= 4'd0;

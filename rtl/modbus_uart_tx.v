@@ -17,7 +17,7 @@ module modbus_uart_tx (
   input  wire [1:0] format_i,
 
   // Bit clock
-  output wire       restart_o,    // strobe: first clock of a start bit after idle
+  output wire       restart_o,    // strobe: the next clock is the first of a start bit after idle
   input  wire       bit_stb_i,
 
   // Characters
@@ -42,12 +42,12 @@ module modbus_uart_tx (
   wire       is_odd     =  format_i[0];
   wire [3:0] index_last = (format_i == `MB_FORMAT_8N1) ? 4'd9 : 4'd10;
 
-  reg       busy_q = 1'b0, first_q = 1'b0, check_q = 1'b0, parity_q = 1'b0;
+  reg       busy_q = 1'b0, check_q = 1'b0, parity_q = 1'b0;
   reg       txd_q = 1'b1;
   reg [3:0] index_q = 4'd0;        // bit now on the line: 0 start, 1..8 data, parity or stop, stop
   reg [7:0] data_q = 8'h00;
 
-  wire step   = busy_q & bit_stb_i & ~first_q;  // the divider restarts at the end of that clock
+  wire step   = busy_q & bit_stb_i;
   wire ends   = step & (index_q == index_last);
   wire take   = valid_i & ready_o;
   wire serial = check_q ? check_bit_i : data_q[0];
@@ -56,11 +56,10 @@ module modbus_uart_tx (
   assign bit_stb_o = step & (index_q < BIT_DATA_LAST);
   assign bit_o     = serial;
   assign feed_o    = ~check_q;
-  assign restart_o = first_q;
+  assign restart_o = valid_i & ~busy_q;
   assign txd_o     = txd_q;
 
   always @(posedge clk_i) begin
-    first_q <= take & ~busy_q;
     if (take) begin
       busy_q   <= 1'b1;
       index_q  <= 4'd0;
@@ -82,7 +81,6 @@ module modbus_uart_tx (
     end
     if (rst_i) begin
       busy_q  <= 1'b0;
-      first_q <= 1'b0;
       txd_q   <= 1'b1;
     end
   end

@@ -15,7 +15,7 @@ module modbus_wait (
 
   reg [15:0] bits_q = 16'd0;
 
-  assign over_o = (bits_q == limit_i);
+  assign over_o = ~(bits_q < limit_i);      // a limit tied to 0 leaves nothing of the counter
 
   always @(posedge clk_i) begin
     if (clear_i)                   bits_q <= 16'd0;
