@@ -15,7 +15,8 @@ module modbus_smoke_tb;
   localparam CLK_HZ   = 1843200;
   localparam BIT_TIME = 16;                  // clocks a bit: 115200 baud
   localparam ADDRESS  = 8'h11;
-  localparam PATIENCE = 200 * BIT_TIME;      // clocks without a start bit until an answer counts as missing
+  localparam SILENCE  = 300 * BIT_TIME;      // more than t3.5, which is 1750 us here
+  localparam PATIENCE = 400 * BIT_TIME;      // clocks without a start bit until an answer counts as missing
 
   reg clk = 1'b0;
   reg rst = 1'b1;
@@ -25,7 +26,7 @@ module modbus_smoke_tb;
 
   modbus_rtu_slave #(.CLK_HZ(CLK_HZ)) u_dut (
     .clk_i(clk), .rst_i(rst), .rxd_i(rxd), .txd_o(txd), .de_o(de),
-    .address_i(ADDRESS), .bit_time_i(BIT_TIME), .format_i(2'd0), .broadcast_en_i(1'b1),
+    .address_i(ADDRESS), .bit_time_i(BIT_TIME[15:0]), .format_i(2'd0), .broadcast_en_i(1'b1),
     .gap_count_only_i(1'b0), .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(16'd0),
     .de_lead_i(4'd0), .de_tail_i(4'd0), .busy_i(1'b0), .write_lock_i(1'b0),
     .host_cyc_i(1'b0), .host_stb_i(1'b0), .host_we_i(1'b0), .host_adr_i(19'd0), .host_dat_i(16'd0),
@@ -129,14 +130,14 @@ module modbus_smoke_tb;
       end
       receive_and_compare(crc[7:0]);
       receive_and_compare(crc[15:8]);
-      repeat (60 * BIT_TIME) @(posedge clk);     // the line rests
+      repeat (SILENCE) @(posedge clk);            // the line rests
     end
   endtask
 
   initial begin
     repeat (4) @(posedge clk);
     rst = 1'b0;
-    repeat (300 * BIT_TIME) @(posedge clk);      // the slave wants to see the line silent first
+    repeat (SILENCE) @(posedge clk);            // the slave wants to see the line silent first
 
     request({ADDRESS, 8'h06, 16'h0003, 16'h1234});
     {expected[0], expected[1], expected[2], expected[3], expected[4], expected[5]} =

@@ -283,7 +283,7 @@ def tool_versions() -> dict[str, str]:
     }
 
 
-def table(rows: list[dict], versions: dict[str, str]) -> str:
+def table(rows: list[dict], versions: dict[str, str], seeds: tuple[int, ...]) -> str:
     """The rows as a markdown table with the tools below it."""
     lines = [
         "| Profile | Bank | What is in it | Logic cells | LUT4 / FF | RAM blocks | Fmax, MHz |",
@@ -294,10 +294,11 @@ def table(rows: list[dict], versions: dict[str, str]) -> str:
             f"| `{row['profile']}` | {row['bank']} | {PROFILE_NOTES[row['profile']]} | {row['lc']} | "
             f"{row['lut']} / {row['ff']} | {row['ram']} | {row['fmax_mhz']:.0f} |"
         )
+    chosen = f"seed {seeds[0]}" if len(seeds) == 1 else f"median of seeds {', '.join(map(str, seeds))}"
     lines.append("")
     lines.append(
         f"iCE40 HX8K ct256, Yosys {versions['yosys']} `synth_ice40`, nextpnr-ice40 {versions['nextpnr-ice40']}, "
-        f"median of seeds {', '.join(map(str, SEEDS))}. Made by `make synth`."
+        f"{chosen}. Made by `make synth`."
     )
     return "\n".join(lines)
 
@@ -380,12 +381,12 @@ def main() -> int:
     if not rows:
         raise ToolError("no profile with that bank")
     versions = tool_versions()
-    print("\n" + table(rows, versions))
+    print("\n" + table(rows, versions, seeds))
     if not options.fast:
         (ROOT / "build/synth.json").write_text(json.dumps({"tools": versions, "rows": rows}, indent=2) + "\n")
         print("\nfigures in build/synth.json")
     if options.update:
-        update_readme(table(rows, versions))
+        update_readme(table(rows, versions, seeds))
     return 0
 
 
