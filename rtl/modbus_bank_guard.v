@@ -39,16 +39,20 @@ module modbus_bank_guard #(
         HOLDING_BASE < 0 || HOLDING_COUNT < 0 || HOLDING_BASE + HOLDING_COUNT > 65536) begin : gen_tables
       ERROR_modbus_bank_table_exceeds_addresses_0_to_65535 illegal_parameter ();
     end
+    if (COIL_COUNT + DISCRETE_COUNT + INPUT_COUNT + HOLDING_COUNT == 0) begin : gen_empty
+      ERROR_modbus_bank_has_no_table illegal_parameter ();
+    end
     if (READ_ONLY_COUNT < 0 || READ_ONLY_BASE < 0 || READ_ONLY_BASE + READ_ONLY_COUNT > 65536) begin : gen_read_only
       ERROR_modbus_bank_read_only_range_exceeds_addresses_0_to_65535 illegal_parameter ();
     end
-    if (OVERLAY != 0 && (HOLDING_BASE != 0 || HOLDING_COUNT < 1 || HOLDING_COUNT > 4096)) begin : gen_overlay
-      ERROR_modbus_bank_overlay_needs_HOLDING_BASE_0_and_1_to_4096_registers illegal_parameter ();
+    if (OVERLAY != 0 && (HOLDING_BASE != 0 || HOLDING_COUNT < 1)) begin : gen_overlay
+      ERROR_modbus_bank_overlay_needs_HOLDING_BASE_0_and_a_register illegal_parameter ();
     end
   endgenerate
 
-  localparam COILS     = (OVERLAY != 0) ? 16 * HOLDING_COUNT : COIL_COUNT;
-  localparam DISCRETES = (OVERLAY != 0) ? 16 * HOLDING_COUNT : DISCRETE_COUNT;
+  localparam ITS_BITS  = (HOLDING_COUNT > 4096) ? 65536 : 16 * HOLDING_COUNT;
+  localparam COILS     = (OVERLAY != 0) ? ITS_BITS : COIL_COUNT;
+  localparam DISCRETES = (OVERLAY != 0) ? ITS_BITS : DISCRETE_COUNT;
   localparam INPUTS    = (OVERLAY != 0) ? HOLDING_COUNT : INPUT_COUNT;
   localparam COIL_LOW     = (OVERLAY != 0) ? 0 : COIL_BASE;
   localparam DISCRETE_LOW = (OVERLAY != 0) ? 0 : DISCRETE_BASE;

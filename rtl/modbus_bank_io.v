@@ -62,46 +62,48 @@ module modbus_bank_io #(
   reg [COIL_WIDTH-1:0]    coils_q = {COIL_WIDTH{1'b0}};
   reg [HOLDING_WIDTH-1:0] holdings_q = {HOLDING_WIDTH{1'b0}};
   reg                     ready_q = 1'b0;
-  reg [15:0]              read_q, read_d;
+  reg [15:0]              read_q;
 
   wire [2:0]  space = wb_adr_i[18:16];
+  // The range was granted, so the address bits that are the same for all items of a table are not looked at:
+  // verilator lint_off UNUSED
+  wire [15:0] item  = wb_adr_i[15:0];
+  // verilator lint_on UNUSED
   wire        ack   = wb_cyc_i & wb_stb_i & ready_q;
-  integer     k;
+  wire        write_coil    = ack & wb_we_i & (space == `MB_SPACE_COILS);
+  wire        write_holding = ack & wb_we_i & (space == `MB_SPACE_HOLDINGS);
 
-  // The range was granted: only the bits that tell the items of a table apart are compared.
-  always @* begin
-    read_d = 16'd0;
-    case (space)
-      `MB_SPACE_COILS:
-        for (k = 0; k < COIL_COUNT; k = k + 1)
-          if (wb_adr_i[15:0] == COIL_BASE[15:0] + k[15:0]) read_d = {15'd0, coils_q[k]};
-      `MB_SPACE_DISCRETES:
-        for (k = 0; k < DISCRETE_COUNT; k = k + 1)
-          if (wb_adr_i[15:0] == DISCRETE_BASE[15:0] + k[15:0]) read_d = {15'd0, discretes_i[k]};
-      `MB_SPACE_INPUTS:
-        for (k = 0; k < INPUT_COUNT; k = k + 1)
-          if (wb_adr_i[15:0] == INPUT_BASE[15:0] + k[15:0]) read_d = inputs_i[16*k +: 16];
-      default:
-        for (k = 0; k < HOLDING_COUNT; k = k + 1)
-          if (wb_adr_i[15:0] == HOLDING_BASE[15:0] + k[15:0]) read_d = holdings_q[16*k +: 16];
-    endcase
-  end
+  // Which item of each table
+  localparam CW = (COIL_COUNT > 1)     ? $clog2(COIL_COUNT) : 1;
+  localparam DW = (DISCRETE_COUNT > 1) ? $clog2(DISCRETE_COUNT) : 1;
+  localparam IW = (INPUT_COUNT > 1)    ? $clog2(INPUT_COUNT) : 1;
+  localparam HW = (HOLDING_COUNT > 1)  ? $clog2(HOLDING_COUNT) : 1;
+
+  wire [CW-1:0] coil     = item[CW-1:0] - COIL_BASE[CW-1:0];
+  wire [DW-1:0] discrete = item[DW-1:0] - DISCRETE_BASE[DW-1:0];
+  wire [IW-1:0] in_word  = item[IW-1:0] - INPUT_BASE[IW-1:0];
+  wire [HW-1:0] holding  = item[HW-1:0] - HOLDING_BASE[HW-1:0];
+  integer       c, h;
 
   always @(posedge clk_i) begin
     ready_q <= wb_cyc_i & ~ack & ~rst_i;
-    read_q  <= read_d;
-    if (ack && wb_we_i) begin
-      for (k = 0; k < COIL_COUNT; k = k + 1)
-        if (space == `MB_SPACE_COILS && wb_adr_i[15:0] == COIL_BASE[15:0] + k[15:0]) coils_q[k] <= wb_dat_i[0];
-      for (k = 0; k < HOLDING_COUNT; k = k + 1)
-        if (space == `MB_SPACE_HOLDINGS && wb_adr_i[15:0] == HOLDING_BASE[15:0] + k[15:0])
-          holdings_q[16*k +: 16] <= wb_dat_i;
-    end
-    if (rst_i) begin
-      coils_q    <= {COIL_WIDTH{1'b0}};
-      holdings_q <= {HOLDING_WIDTH{1'b0}};
-    end
+    case (space)
+      `MB_SPACE_COILS:     read_q <= {15'd0, coils_q[coil]};
+      `MB_SPACE_DISCRETES: read_q <= {15'd0, discretes_i[discrete]};
+      `MB_SPACE_INPUTS:    read_q <= inputs_i[{in_word, 4'd0} +: 16];
+      default:             read_q <= holdings_q[{holding, 4'd0} +: 16];
+    endcase
   end
+
+  always @(posedge clk_i)
+    for (c = 0; c < COIL_COUNT; c = c + 1)
+      if (rst_i)                                  coils_q[c] <= 1'b0;
+      else if (write_coil && coil == c[CW-1:0])   coils_q[c] <= wb_dat_i[0];
+
+  always @(posedge clk_i)
+    for (h = 0; h < HOLDING_COUNT; h = h + 1)
+      if (rst_i)                                       holdings_q[16*h +: 16] <= 16'd0;
+      else if (write_holding && holding == h[HW-1:0])  holdings_q[16*h +: 16] <= wb_dat_i;
 
   assign wb_dat_o   = read_q;
   assign wb_ack_o   = ack;

@@ -100,7 +100,7 @@ module modbus_bank_ram #(
       localparam W = (HOLDING_COUNT > 1) ? $clog2(HOLDING_COUNT) : 1;
       (* no_rw_check *) reg [15:0] memory [0:HOLDING_COUNT-1];
       reg  [15:0] word_q;
-      wire [11:0] register = bits ? item[15:4] : item[11:0];
+      wire [15:0] register = bits ? {4'd0, item[15:4]} : item;
       wire [15:0] mask     = bits ? 16'd1 << item[3:0] : 16'hFFFF;
       wire [15:0] source   = bits ? {16{data[0]}} : data;
       integer i;
@@ -113,10 +113,11 @@ module modbus_bank_ram #(
       end
 
       assign read   = bits ? {15'd0, word_q[item[3:0]]} : word_q;
-      assign exists = (space <= `MB_SPACE_HOLDINGS) & ({20'd0, register} < HOLDING_COUNT)
-                    & (bits | (item[15:12] == 4'd0));
+      assign exists = (space <= `MB_SPACE_HOLDINGS) & ({1'b0, register} < HOLDING_COUNT[16:0]);
     end else begin : gen_tables
-      localparam BITS  = COIL_COUNT + DISCRETE_COUNT, WORDS = HOLDING_COUNT + INPUT_COUNT;
+      // A memory without items is one word that is never written: nothing remains of it.
+      localparam BITS  = (COIL_COUNT + DISCRETE_COUNT > 0) ? COIL_COUNT + DISCRETE_COUNT : 1;
+      localparam WORDS = (HOLDING_COUNT + INPUT_COUNT > 0) ? HOLDING_COUNT + INPUT_COUNT : 1;
       localparam BW = (BITS > 1) ? $clog2(BITS) : 1, WW = (WORDS > 1) ? $clog2(WORDS) : 1;
       // Coils lie before discrete inputs, holding before input registers.
       localparam DISCRETE_SHIFT = COIL_COUNT - DISCRETE_BASE, INPUT_SHIFT = HOLDING_COUNT - INPUT_BASE;
@@ -129,38 +130,28 @@ module modbus_bank_ram #(
                                    : (space[0] ? HOLDING_BASE[16:0]  : INPUT_BASE[16:0]);
       wire [16:0]   size    = bits ? (space[0] ? DISCRETE_COUNT[16:0] : COIL_COUNT[16:0])
                                    : (space[0] ? HOLDING_COUNT[16:0]  : INPUT_COUNT[16:0]);
-      wire          bit_out;
-      wire [15:0]   word_out;
-      integer       i;
+      (* no_rw_check *) reg        bit_memory  [0:BITS-1];
+      (* no_rw_check *) reg [15:0] word_memory [0:WORDS-1];
+      reg        bit_q;
+      reg [15:0] word_q;
+      integer    i;
+
+      initial begin
+        for (i = 0; i < BITS; i = i + 1)  bit_memory[i]  = 1'b0;
+        for (i = 0; i < WORDS; i = i + 1) word_memory[i] = 16'd0;
+      end
+
+      always @(posedge clk_i) begin
+        if (write && bits) bit_memory[at_bit] <= data[0];
+        bit_q <= bit_memory[at_bit];
+      end
+      always @(posedge clk_i) begin
+        if (write && !bits) word_memory[at_word] <= data;
+        word_q <= word_memory[at_word];
+      end
 
       assign exists = (space <= `MB_SPACE_HOLDINGS) & (place - low < size);
-      assign read   = bits ? {15'd0, bit_out} : word_out;
-
-      if (BITS > 0) begin : gen_bits
-        (* no_rw_check *) reg memory [0:BITS-1];
-        reg bit_q;
-        initial for (i = 0; i < BITS; i = i + 1) memory[i] = 1'b0;
-        always @(posedge clk_i) begin
-          if (write && bits) memory[at_bit] <= data[0];
-          bit_q <= memory[at_bit];
-        end
-        assign bit_out = bit_q;
-      end else begin : gen_no_bits
-        assign bit_out = 1'b0;
-      end
-
-      if (WORDS > 0) begin : gen_words
-        (* no_rw_check *) reg [15:0] memory [0:WORDS-1];
-        reg [15:0] word_q;
-        initial for (i = 0; i < WORDS; i = i + 1) memory[i] = 16'd0;
-        always @(posedge clk_i) begin
-          if (write && !bits) memory[at_word] <= data;
-          word_q <= memory[at_word];
-        end
-        assign word_out = word_q;
-      end else begin : gen_no_words
-        assign word_out = 16'd0;
-      end
+      assign read   = bits ? {15'd0, bit_q} : word_q;
     end
   endgenerate
 
