@@ -22,14 +22,13 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb"))
 
 import serial  # noqa: E402
+from mbrtu import vectors  # noqa: E402
+from mbrtu.defs import FC, Space  # noqa: E402
+from mbrtu.frames import sealed, text, unpack_bits, unpack_words  # noqa: E402
 from pymodbus.client import ModbusSerialClient  # noqa: E402
 from pymodbus.exceptions import ModbusException  # noqa: E402
 from waveform import draw  # noqa: E402
 from words import answer, request, span, values  # noqa: E402
-
-from mbrtu import vectors  # noqa: E402
-from mbrtu.defs import FC, Space  # noqa: E402
-from mbrtu.frames import sealed, text, unpack_bits, unpack_words  # noqa: E402
 
 LINK = "build/demo.link"
 TRACE = ROOT / "build" / "demo.trace"
@@ -37,7 +36,7 @@ PICTURE = ROOT / "build" / "demo.svg"
 DRAWN = "S000-FIG14-15"
 BAUD = 19200
 TIMEOUT_S = 1.0
-START_TIMEOUT_S = 180.0
+PAUSE_S = 0.05  # an answer is over after this
 CHUNK = 32  # registers read back at once: fewer than any limit an example sets
 
 KEYS = {  # names of tables in the examples and in INIT files
@@ -136,7 +135,9 @@ class Master:
         self.client.close()
         with serial.Serial(str(ROOT / LINK), BAUD, timeout=TIMEOUT_S / 2) as port:
             port.write(frame)
-            self.sent, self.received = frame, port.read(256) or None
+            got = port.read(1)
+            port.timeout = PAUSE_S
+            self.sent, self.received = frame, got + port.read(256) or None
         self.client.connect()
 
     def _call(self, pdu):

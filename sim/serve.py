@@ -23,7 +23,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CACHE = ROOT / "build" / "live"
-TOP = "modbus_rtu_slave"
+TOP = "modbus_live"
 
 CLOCK_HZ = 1_843_200  # divides 9600 to 115200 baud without rest, and 2 cores simulate it in passing
 BIT_TIMES = range(8, 65536)  # clock cycles per bit that the core takes
@@ -209,7 +209,8 @@ def sources():
     """Arguments from rtl/modbus.f, and every file they can draw in."""
     listed = (ROOT / "rtl" / "modbus.f").read_text().split()
     files = [ROOT / name for name in listed if not name.startswith(("+", "-"))]
-    return sorted({*files, *(ROOT / "rtl").glob("*.vh"), ROOT / "sim" / "bridge.cpp"})
+    own = [ROOT / "sim" / "modbus_live.v", ROOT / "sim" / "bridge.cpp"]
+    return sorted({*files, *(ROOT / "rtl").glob("*.vh"), *own})
 
 
 def compiled(values):
@@ -219,7 +220,7 @@ def compiled(values):
         *("--language", "1364-2005", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
         *("--top-module", TOP, "--prefix", "Vslave", "-o", "bridge"),
         *("-MAKEFLAGS", "OPT_FAST=-O3", "-CFLAGS", f"-std=c++17 -DCLOCK_HZ={CLOCK_HZ}"),
-        *("-f", "rtl/modbus.f", str(ROOT / "sim" / "bridge.cpp")),
+        *("-f", "rtl/modbus.f", "sim/modbus_live.v", str(ROOT / "sim" / "bridge.cpp")),
         *(f"-G{name}={value}" for name, value in values.items()),
     ]
     digest = hashlib.sha256(" ".join(command).encode())
