@@ -13,6 +13,9 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 # Repeated Verilator builds cost 2 s instead of 12 with it.
 ifneq ($(shell command -v ccache 2>/dev/null),)
 export OBJCACHE ?= ccache
+ifneq ($(shell test -w "$$HOME" && echo yes),yes)  # a container's nameless user
+export CCACHE_DIR ?= $(CURDIR)/.venv/ccache
+endif
 endif
 
 # --- what a target needs, installed on demand -----------------------------------------------------
