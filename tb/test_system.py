@@ -20,7 +20,7 @@ MAPPED = {
             Space.HOLDINGS: (1000, 300),
         }
     ),
-    "READ_ONLY_BASE": 1100,
+    "READ_ONLY_BASE": 1200,
     "READ_ONLY_COUNT": 20,
 }
 WHOLE = {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))}
@@ -45,8 +45,6 @@ SMALL = {
             FC.WRITE_REGISTERS,
         )
     ),
-    "READ_ONLY_BASE": 8,
-    "READ_ONLY_COUNT": 1,
 }
 LIMITED = {
     **FAST,
@@ -70,9 +68,8 @@ IO_MAPPED = {
             Space.HOLDINGS: (400, 12),
         }
     ),
-    "READ_ONLY_BASE": 404,
-    "READ_ONLY_COUNT": 2,
 }
+IO_READ_ONLY = {**IO_MAPPED, "READ_ONLY_BASE": 404, "READ_ONLY_COUNT": 2}
 
 # name: (top, parameters, cocotb modules, names of cocotb tests or None for all)
 SUITES = {
@@ -93,7 +90,8 @@ SUITES = {
     "timing": (SLAVE, REFERENCE, "timing", None),
     "io": (IO, NO_FLOORS, "io_bank", None),
     "io_mapped": (IO, IO_MAPPED, "io_bank", None),
-    "io_functions": (IO, IO_MAPPED, "functions", None),
+    "io_functions": (IO, IO_MAPPED, "functions", "limits|align|length|coil|mask|order|broadcast"),
+    "io_read_only": (IO, IO_READ_ONLY, "functions", "read_only|lock"),
     "core_bus": (CORE, NO_FLOORS, "core_bus", None),
     "random": (SLAVE, MAPPED, "random_requests", None),
 }

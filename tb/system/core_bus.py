@@ -6,7 +6,7 @@ import cocotb
 from cocotb.triggers import Timer
 from mbrtu import frames
 from mbrtu.bank import Bank
-from mbrtu.bench import CLOCK_PS, Bench
+from mbrtu.bench import CLOCK_PS, PROCESSING_CLOCKS, Bench
 from mbrtu.defs import BROADCAST, EX, FC, Space
 from mbrtu.lines import with_error, with_gap
 
@@ -252,7 +252,7 @@ async def stall_limit_on_the_question(dut):
         expected = frames.adu(OWN, bytes([pdu[0] | 0x80, EX.BUSY]))
         assert answer and answer.data == expected, f"seen {answer}"
         late = tb.latency(answer) - STALL_BITS
-        assert -1 <= late <= 2 + 64 / tb.setup.bit_time, f"answered {late:.1f} bits after the limit"
+        assert -1 <= late <= 2 + PROCESSING_CLOCKS / tb.setup.bit_time, f"answered {late:.1f} bits after the limit"
         assert not tb.bank.request.beats
         tb.bank.check()
         assert not await ask(tb, pdu) == expected, "the line does not go on"
@@ -271,7 +271,7 @@ async def stall_limit_in_the_burst(dut):
             expected = frames.adu(OWN, bytes([pdu[0] | 0x80, EX.FAILURE]))
             assert answer and answer.data == expected, f"beat {beat}: seen {answer}"
             late = tb.latency(answer) - STALL_BITS
-            assert -1 <= late <= 2 + 100 / tb.setup.bit_time, f"{late:.1f} bits after the limit"
+            assert -1 <= late <= 2 + PROCESSING_CLOCKS / tb.setup.bit_time, f"{late:.1f} bits after the limit"
             assert int(dut.wb_cyc_o.value) == 0, "cyc stays up"
             tb.bank.check()
             tb.bank.begin()

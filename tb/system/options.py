@@ -5,7 +5,7 @@
 import cocotb
 from cocotb.triggers import RisingEdge, Timer, with_timeout
 from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, PARAMETERS, Bench
+from mbrtu.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
 from mbrtu.build import DEFAULT_CLK_HZ
 from mbrtu.defs import FC, Space
 from mbrtu.line import now
@@ -21,7 +21,7 @@ async def response_delay(dut, delay):
     """Counts in bit times on top of t3.5; the answer starts within a bit of it."""
     tb = await Bench.start(dut, response_delay=delay)
     assert await tb.both(READ) is not None
-    assert tb.longest_latency <= 2 + 64 / tb.setup.bit_time, f"{tb.longest_latency} bits late"
+    assert tb.longest_latency <= 2 + PROCESSING_CLOCKS / tb.setup.bit_time, f"{tb.longest_latency} bits late"
     await tb.finish()
 
 
