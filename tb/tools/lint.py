@@ -90,6 +90,10 @@ def verilog_jobs(modules: list[str]) -> list[Job]:
                     ["iverilog", "-g2005", "-Wall", "-tnull", "-Irtl", "-s", top, *sets, *files],
                 )
             )
+            if not parameters:
+                # SystemVerilog keywords as names: users' tools, waveforms and proofs read the files as such.
+                newer = ["iverilog", "-g2012", "-tnull", "-Irtl", "-s", top, *files]
+                jobs.append(Job(f"iverilog as SystemVerilog {label}", newer))
             if "65536" in parameters.values():
                 continue  # Yosys unrolls the power-up contents of a memory and takes minutes at this size
             chparam = " ".join(f"-chparam {k} {v}" for k, v in pairs)
