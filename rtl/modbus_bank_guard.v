@@ -87,7 +87,7 @@ module modbus_bank_guard #(
     endcase
   end
 
-  wire inside = exists & (first_i >= low) & (last_i <= high);
+  wire exists_all = exists & (first_i >= low) & (last_i <= high);
   wire locked;
 
   generate
@@ -107,7 +107,7 @@ module modbus_bank_guard #(
 
   always @(posedge clk_i) begin
     ack_q <= req_i & ~ack_q & ~hold_i & ~rst_i;
-    bad_q <= ~inside | (write_i & locked);
+    bad_q <= ~exists_all | (write_i & locked);
   end
 
   assign ack_o       = ack_q & req_i;

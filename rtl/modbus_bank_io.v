@@ -76,22 +76,36 @@ module modbus_bank_io #(
   // Which item of each table
   localparam CW = (COIL_COUNT > 1)     ? $clog2(COIL_COUNT) : 1;
   localparam DW = (DISCRETE_COUNT > 1) ? $clog2(DISCRETE_COUNT) : 1;
-  localparam IW = (INPUT_COUNT > 1)    ? $clog2(INPUT_COUNT) : 1;
   localparam HW = (HOLDING_COUNT > 1)  ? $clog2(HOLDING_COUNT) : 1;
 
   wire [CW-1:0] coil     = item[CW-1:0] - COIL_BASE[CW-1:0];
   wire [DW-1:0] discrete = item[DW-1:0] - DISCRETE_BASE[DW-1:0];
-  wire [IW-1:0] in_word  = item[IW-1:0] - INPUT_BASE[IW-1:0];
   wire [HW-1:0] holding  = item[HW-1:0] - HOLDING_BASE[HW-1:0];
+  wire [15:0]   word_in, word_out;
   integer       c, h;
+
+  generate
+    if (INPUT_COUNT > 1) begin : gen_inputs
+      localparam IW = $clog2(INPUT_COUNT);
+      wire [IW-1:0] in_word = item[IW-1:0] - INPUT_BASE[IW-1:0];
+      assign word_in = inputs_i[{in_word, 4'd0} +: 16];
+    end else begin : gen_input
+      assign word_in = inputs_i[15:0];
+    end
+    if (HOLDING_COUNT > 1) begin : gen_holdings
+      assign word_out = holdings_q[{holding, 4'd0} +: 16];
+    end else begin : gen_holding
+      assign word_out = holdings_q[15:0];
+    end
+  endgenerate
 
   always @(posedge clk_i) begin
     ready_q <= wb_cyc_i & ~ack & ~rst_i;
     case (space)
       `MB_SPACE_COILS:     read_q <= {15'd0, coils_q[coil]};
       `MB_SPACE_DISCRETES: read_q <= {15'd0, discretes_i[discrete]};
-      `MB_SPACE_INPUTS:    read_q <= inputs_i[{in_word, 4'd0} +: 16];
-      default:             read_q <= holdings_q[{holding, 4'd0} +: 16];
+      `MB_SPACE_INPUTS:    read_q <= word_in;
+      default:             read_q <= word_out;
     endcase
   end
 

@@ -4,7 +4,7 @@
 // modbus_bit_clock - divides a bit into four quarters, exactly N clocks a bit for any N from 8 up.
 //
 // Receiver, transmitter and all timers share this one divider: the line is half duplex.
-// Quarter k lasts floor((N + k) / 4) clocks, so four of them make N without a fraction lost.
+// A quarter lasts N / 4 clocks, rounded up or down so that four of them make N.
 //
 // restart_i makes the next clock the first of a new bit.  quarter_stb_o and bit_stb_o are high in the last clock of
 // a quarter and of a bit.  Below 8 clocks a bit the strobes are not spaced as promised; nothing locks up.
@@ -25,10 +25,9 @@ module modbus_bit_clock (
   reg        extended_q = 1'b0;
   reg        stb_q      = 1'b0;
 
-  // The two low bits of N are paid out as one extra clock in quarters 3, 2, 1 as needed.
-  wire extend = (quarter_q == 2'd3) ? |bit_time_i[1:0] :
-                (quarter_q == 2'd2) ?  bit_time_i[1]   :
-                (quarter_q == 2'd1) & (&bit_time_i[1:0]);
+  // The two low bits of N are paid out as extra clocks: two in the middle quarters, which keeps a receiver's three
+  // looks a full quarter apart and the second one in the middle; one at the end.
+  wire extend = (quarter_q == 2'd3) ? bit_time_i[0] : (quarter_q != 2'd0) & bit_time_i[1];
   wire full   = ~(clocks_q < bit_time_i[15:2]);
   wire ends   = full & (extended_q | ~extend);
 

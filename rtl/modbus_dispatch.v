@@ -52,7 +52,12 @@ module modbus_dispatch (
   output wire        load_o,
   output wire        grant_o,
   output wire        burst_o,
-  output wire [10:0] argument_o,     // level : limit, space and flags of the step
+  output wire [10:0] limit_o,        // level : highest quantity
+  output wire [2:0]  space_o,        // level : where the step works
+  output wire        write_o,        // level : direction of grant and burst
+  output wire        keep_o,         // level : hold the bus after the burst
+  output wire [1:0]  what_o,         // level : what to load
+  output wire        mark_o,
   output wire [3:0]  code_o,
   input  wire        in_limit_i,
   input  wire        bytes_fit_i,
@@ -78,6 +83,9 @@ module modbus_dispatch (
   reg        raise_q = 1'b0;         // the step before went wrong
   reg [3:0]  code_q;
   reg        broadcast_q;
+  reg [2:0]  space_q;                // of the step, registered because much hangs on it
+  reg        write_q;
+  reg        arrived_q;              // the cursor was at the place a clock ago: a walk goes every other clock
   reg        count_held_q;           // count was the held byte a clock ago
 
   wire is_addressed  = is_q[`MB_STEP_ADDRESSED];
@@ -103,38 +111,46 @@ module modbus_dispatch (
   wire fourth = (phase_q == 2'd3);
 
   // Address byte: 1..247 can be ours, 0 is for all, 248..255 is reserved (V1.02, clause 2.2)
-  wire for_all = (byte_i == 8'd0) & broadcast_en_i;
-  wire for_us  = (byte_i == address_i) & (byte_i != 8'd0) & (byte_i[7:3] != 5'h1F);
+  reg  zero_q, match_q;              // about the byte a clock ago
+  wire for_all = zero_q & broadcast_en_i;
+  wire for_us  = match_q & ~zero_q & (address_i[7:3] != 5'h1F);
 
-  wire arrived    = (cursor_i == argument[3:0]);
-  wire coil_value = (byte_i == 8'h00) & (held_i == 8'h00 || held_i == 8'hFF);
+  always @(posedge clk_i) begin
+    zero_q  <= (byte_i == 8'h00);
+    match_q <= (byte_i == address_i);
+  end
+
+  wire coil_value = zero_q & (held_i == 8'h00 || held_i == 8'hFF);
 
   // What can be wrong with a request
   wire bad_value   = (is_quantity & fourth & ~in_limit_i)
-                   | (is_coil & second & ~coil_value)
+                   | (is_coil & third & ~coil_value)
                    | (is_byte_count & third & ~count_held_q)
                    | (is_byte_count & fourth & ~bytes_fit_i)
                    | (is_end & count_i != 9'd0);
   wire bad_address = is_range & third & over_i;
-  wire busy        = is_grant & done_i & busy_i;
+  wire busy        = is_grant & done_i & argument[2] & busy_i;
 
   // A step that looks at fields or places takes four clocks, the others one or as long as it takes.
   wire fields = is_address | is_quantity | is_coil | is_byte_count;
-  wire over   = ((fields | is_range | is_load | is_put) & fourth)
-              | ((is_grant | is_burst) & (done_i | fail_i)) | (is_walk & arrived)
-              | is_addressed | is_function | is_jump | is_end | is_point | is_send;
-  wire quiet  = (is_addressed & ~for_all & ~for_us) | (broadcast_q & ((is_jump & argument[8]) | is_send));
+  wire over   = ((is_addressed | fields | is_range | is_load | is_put) & fourth)
+              | ((is_grant | is_burst) & (done_i | fail_i)) | (is_walk & phase_q[0] & arrived_q)
+              | is_function | is_jump | is_end | is_point | is_send;
+  wire quiet  = (is_addressed & second & ~for_all & ~for_us) | (broadcast_q & ((is_jump & argument[8]) | is_send));
   wire send   = is_send & ~broadcast_q;
 
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~over & ~raise_q;
     is_q      <= 16'd1 << step;
     phase_q   <= phase_q + 2'd1;
-    if (!fetched_q || over) is_q <= 16'd0;
+    if (!fetched_q || over || raise_q) is_q <= 16'd0;
     if (is_q == 16'd0)      phase_q <= 2'd0;
 
+    space_q      <= argument[10:8];
+    write_q      <= argument[0];
+    arrived_q    <= (cursor_i == argument[3:0]);
     count_held_q <= (count_i == {1'b0, held_i});
-    if (is_addressed) broadcast_q <= for_all;
+    if (is_addressed && second) broadcast_q <= for_all;
 
     raise_q <= bad_value | bad_address | busy | fail_i;
     if (!run_q)           code_q <= `MB_EX_ILLEGAL_FUNCTION;
@@ -158,13 +174,13 @@ module modbus_dispatch (
     end
   end
 
-  wire consume = (fields & ~phase_q[1]) | is_addressed | is_function;
-  wire walk    = is_walk & ~arrived;
+  wire consume = (fields & ~phase_q[1]) | (is_addressed & first) | is_function;
+  wire walk    = is_walk & phase_q[0] & ~arrived_q;
   wire placed  = is_put & second;
 
   assign send_stb_o      = send;
   assign quiet_stb_o     = quiet;
-  assign addressed_stb_o = is_addressed & (for_all | for_us);
+  assign addressed_stb_o = is_addressed & second & (for_all | for_us);
   assign written_stb_o   = is_address & third & argument[11];
   assign program_at_o    = at_q;
 
@@ -184,7 +200,12 @@ module modbus_dispatch (
   assign load_o     = is_load & second;
   assign grant_o    = is_grant;
   assign burst_o    = is_burst;
-  assign argument_o = argument[10:0];
+  assign limit_o    = argument[10:0];
+  assign space_o    = space_q;
+  assign write_o    = write_q;
+  assign keep_o     = argument[1];
+  assign what_o     = argument[5:4];
+  assign mark_o     = argument[6];
   assign code_o     = code_q;
 
 endmodule

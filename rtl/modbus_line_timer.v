@@ -39,21 +39,18 @@ module modbus_line_timer #(
 
   wire two_stops = (format_i == `MB_FORMAT_8N2);
   wire ten_bits  = (format_i == `MB_FORMAT_8N1);
-  wire [7:0] rest = two_stops ? REST_2 : REST_1;
   wire [7:0] t15  = two_stops ? REST_2 + T15_11 : ten_bits ? REST_1 + T15_10 : REST_1 + T15_11;
   wire [7:0] t35  = two_stops ? REST_2 + T35_11 : ten_bits ? REST_1 + T35_10 : REST_1 + T35_11;
 
   reg [7:0] quarters_q = 8'd0;
-  reg       rest_q = 1'b0, t15_chars_q = 1'b0, t35_chars_q = 1'b0;
+  reg       t15_chars_q = 1'b0, t35_chars_q = 1'b0;
 
   always @(posedge clk_i) begin
-    if (quarters_q == rest) rest_q      <= 1'b1;
     if (quarters_q == t15)  t15_chars_q <= 1'b1;
     if (quarters_q == t35)  t35_chars_q <= 1'b1;
     if (quarter_stb_i && !t35_chars_q) quarters_q <= quarters_q + 8'd1;
     if (rst_i || busy_i) begin
       quarters_q  <= 8'd0;
-      rest_q      <= 1'b0;
       t15_chars_q <= 1'b0;
       t35_chars_q <= 1'b0;
     end
@@ -68,8 +65,9 @@ module modbus_line_timer #(
     end else begin : gen_floor
       localparam W = $clog2(T35_CLOCKS + 1);
       reg [W-1:0] clocks_q = {W{1'b0}};
-      reg         t15_q = 1'b0, t35_q = 1'b0;
+      reg         rest_q = 1'b0, t15_q = 1'b0, t35_q = 1'b0;
       always @(posedge clk_i) begin
+        rest_q <= (rest_q | (quarters_q == (two_stops ? REST_2 : REST_1))) & ~rst_i & ~busy_i;
         if (clocks_q == T15_CLOCKS[W-1:0]) t15_q <= 1'b1;
         if (clocks_q == T35_CLOCKS[W-1:0]) t35_q <= 1'b1;
         clocks_q <= clocks_q + 1'b1;

@@ -128,7 +128,7 @@ module modbus_program #(
       1: read_items = plain(`MB_STEP_QUANTITY, highest);
       2: read_items = plain(`MB_STEP_END, NO_FLAG);
       3: read_items = plain(`MB_STEP_RANGE, NO_FLAG);
-      4: read_items = bank(`MB_STEP_GRANT, space, NO_FLAG);
+      4: read_items = bank(`MB_STEP_GRANT, space, `MB_FLAG_LAST);
       5: read_items = at(`MB_STEP_POINT, AT_READ_DATA, `MB_FLAG_CLEAR);
       6: read_items = bank(`MB_STEP_BURST, space, NO_FLAG);
       default: read_items = go(ANSWER[7:0], NO_FLAG);
@@ -142,7 +142,7 @@ module modbus_program #(
       1: write_item = (space == COILS) ? plain(`MB_STEP_COIL, NO_FLAG) : at(`MB_STEP_WALK, AT_VALUE_END, NO_FLAG);
       2: write_item = plain(`MB_STEP_END, NO_FLAG);
       3: write_item = plain(`MB_STEP_RANGE, `MB_FLAG_SINGLE);
-      4: write_item = bank(`MB_STEP_GRANT, space, WRITE);
+      4: write_item = bank(`MB_STEP_GRANT, space, WRITE | `MB_FLAG_LAST);
       5: write_item = at(`MB_STEP_POINT, AT_VALUE, NO_FLAG);
       6: write_item = bank(`MB_STEP_BURST, space, WRITE);
       7: write_item = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
@@ -158,7 +158,7 @@ module modbus_program #(
       1: write_items = plain(`MB_STEP_QUANTITY, highest);
       2: write_items = bank(`MB_STEP_BYTE_COUNT, space, NO_FLAG);
       3: write_items = plain(`MB_STEP_RANGE, NO_FLAG);
-      4: write_items = bank(`MB_STEP_GRANT, space, WRITE);
+      4: write_items = bank(`MB_STEP_GRANT, space, WRITE | `MB_FLAG_LAST);
       5: write_items = at(`MB_STEP_POINT, AT_DATA, NO_FLAG);
       6: write_items = bank(`MB_STEP_BURST, space, WRITE);
       7: write_items = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
@@ -175,7 +175,7 @@ module modbus_program #(
       1: mask_write = at(`MB_STEP_WALK, AT_MASK_END, NO_FLAG);
       2: mask_write = plain(`MB_STEP_END, NO_FLAG);
       3: mask_write = plain(`MB_STEP_RANGE, `MB_FLAG_SINGLE);
-      4: mask_write = bank(`MB_STEP_GRANT, HOLDINGS, WRITE);
+      4: mask_write = bank(`MB_STEP_GRANT, HOLDINGS, WRITE | `MB_FLAG_LAST);
       5: mask_write = at(`MB_STEP_POINT, AT_SCRATCH, NO_FLAG);
       6: mask_write = bank(`MB_STEP_BURST, HOLDINGS, KEEP);
       7: mask_write = load(`MB_LOAD_BYTE, AT_SCRATCH, NO_FLAG);
@@ -213,7 +213,7 @@ module modbus_program #(
       8: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
       9: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[11:0]);
       10: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
-      11: read_write = bank(`MB_STEP_GRANT, HOLDINGS, NO_FLAG);
+      11: read_write = bank(`MB_STEP_GRANT, HOLDINGS, `MB_FLAG_LAST);
       12: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
       13: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_WRITE[11:0]);
       14: read_write = plain(`MB_STEP_RANGE, NO_FLAG);

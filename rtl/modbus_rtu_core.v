@@ -170,7 +170,10 @@ module modbus_rtu_core #(
   wire [15:0] program_step;
   wire        addressed_stb, do_hold, do_address, do_quantity, do_single, do_range, do_load, do_grant, do_burst;
   wire        in_limit, bytes_fit, over, done, fail, waiting, stall;
-  wire [10:0] argument;
+  wire [10:0] limit;
+  wire [2:0]  space;
+  wire [1:0]  what;
+  wire        do_write, keep, mark;
   wire [3:0]  code, fail_code;
 
   modbus_program #(
@@ -186,16 +189,16 @@ module modbus_rtu_core #(
     .byte_i(frame_byte), .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at),
     .clear_o(do_clear), .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put),
     .hold_o(do_hold), .address_o(do_address), .quantity_o(do_quantity), .single_o(do_single), .range_o(do_range),
-    .load_o(do_load), .grant_o(do_grant), .burst_o(do_burst), .argument_o(argument),
+    .load_o(do_load), .grant_o(do_grant), .burst_o(do_burst), .limit_o(limit), .space_o(space), .write_o(do_write), .keep_o(keep), .what_o(what), .mark_o(mark),
     .code_o(code), .in_limit_i(in_limit), .bytes_fit_i(bytes_fit), .over_i(over), .done_i(done), .fail_i(fail),
     .fail_code_i(fail_code), .held_i(held)
   );
 
   modbus_data_access #(.HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK)) u_data_access (
     .clk_i(clk_i), .rst_i(rst_i), .hold_i(do_hold), .address_i(do_address), .quantity_i(do_quantity),
-    .single_i(do_single), .range_i(do_range), .load_i(do_load), .load_what_i(argument[5:4]),
-    .load_flag_i(argument[6]), .grant_i(do_grant), .burst_i(do_burst), .write_i(argument[0]), .keep_i(argument[1]),
-    .space_i(argument[10:8]), .limit_i(argument), .code_i(code), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
+    .single_i(do_single), .range_i(do_range), .load_i(do_load), .load_what_i(what),
+    .load_flag_i(mark), .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep),
+    .space_i(space), .limit_i(limit), .code_i(code), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
     .over_o(over), .done_o(done), .fail_o(fail), .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o),
     .last_o(grant_last_o), .byte_i(frame_byte), .count_i(count), .put_o(move_put), .data_o(move_data),
     .step_o(move_step), .waiting_o(waiting), .stall_i(stall), .grant_req_o(grant_req_o),
@@ -204,8 +207,8 @@ module modbus_rtu_core #(
     .wb_ack_i(wb_ack_i), .wb_err_i(wb_err_i)
   );
 
-  assign grant_space_o = argument[10:8];
-  assign write_space_o = argument[10:8];
+  assign grant_space_o = space;
+  assign write_space_o = space;
   assign write_first_o = grant_first_o;
   assign write_last_o  = grant_last_o;
   assign frame_stb_o   = good_stb;

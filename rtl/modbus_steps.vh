@@ -21,7 +21,7 @@
 
 // The bank; SPACE in argument[10:8]
 `define MB_STEP_RANGE      4'd8   // last address; past FFFFH is exception 02; SINGLE flag: the quantity is 1
-`define MB_STEP_GRANT      4'd9   // ask for the range; WRITE flag
+`define MB_STEP_GRANT      4'd9   // ask for the range; WRITE, LAST flags
 `define MB_STEP_BURST      4'd10  // move the range between bank and frame from the cursor on; WRITE, KEEP flags
 
 // Put the answer together; argument[3:0] is a place in the frame
@@ -39,6 +39,7 @@
 // Flags
 `define MB_FLAG_WRITE      12'h001
 `define MB_FLAG_KEEP       12'h002  // hold the bus for the next burst
+`define MB_FLAG_LAST       12'h004  // the last question: from here on only busy_i stands in the way
 `define MB_FLAG_SINGLE     12'h001
 `define MB_FLAG_CLEAR      12'h010
 `define MB_FLAG_UP         12'h010

@@ -78,7 +78,7 @@ module modbus_uart_rx (
       // It has fallen: a start bit, or a spike.
       ST_START: begin
         if (confirm) state_d = ST_BITS;
-        else if (decide || (quarter_stb_i && quarter_i == 2'd0 && line_q)) state_d = ST_IDLE;
+        else if (decide || (quarter_stb_i && quarter_i == 2'd0 && rxd_i)) state_d = ST_IDLE;
       end
       // Data, parity and stop bits pass.
       ST_BITS: if (finish) state_d = line_q ? ST_IDLE : ST_BREAK;
