@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""The compiled slave as a Python object: builds the shared library and calls it by ctypes."""
+
+import ctypes
+import hashlib
+import json
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from mbrtu.defs import ERRORS, Space, bus_address
+from mbrtu.model import characters
+from mbrtu.runner import PRODUCTS, sources
+
+HERE = Path(__file__).resolve().parent
+TOP = "modbus_rtu_slave"
+STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 8, 300
+FAULTS = {None: 0, "parity": 1, "framing": 2}
+LINE_FAULTS = {
+    -1: "an edge off the grid of bit times",
+    -2: "a gap between two characters",
+    -3: "wrong parity",
+    -4: "a low stop bit",
+    -5: "de_o does not cover the answer",
+    -6: "txd_o moves while de_o is low",
+}
+
+
+class BuildError(RuntimeError):
+    """A tool is missing or has failed."""
+
+
+def library(parameters):
+    """Path of the shared library of modbus_rtu_slave with `parameters`, built if it is not current."""
+    if not shutil.which("verilator"):
+        raise BuildError("verilator is not installed")
+    files, folders = sources()
+    inputs = [*files, *sorted(p for f in folders for p in f.glob("*.vh")), HERE / "harness.cpp"]
+    digest = hashlib.sha1(json.dumps(parameters, sort_keys=True).encode())
+    for path in inputs:
+        digest.update(path.read_bytes())
+    folder = PRODUCTS / f"shared_{digest.hexdigest()[:12]}"
+    made = folder / "device.so"
+    if made.exists():
+        return made
+    folder.mkdir(parents=True, exist_ok=True)
+    verilate = [
+        *"verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal".split(),
+        *["--top-module", TOP, "--Mdir", str(folder), "-CFLAGS", "-fPIC"],
+        *[f"-I{f}" for f in folders],
+        *[f"-G{name}={value}" for name, value in parameters.items()],
+        *map(str, files),
+    ]
+    _run(verilate, folder)
+    _run(["make", "-C", str(folder), "-f", f"V{TOP}.mk", "OPT_FAST=-O3", f"V{TOP}__ALL.a", "verilated.o"], folder)
+    root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], folder).strip()
+    objects = [folder / f"V{TOP}__ALL.a", folder / "verilated.o"]
+    threads = folder / "verilated_threads.o"
+    if "verilated_threads" in (folder / f"V{TOP}_classes.mk").read_text(encoding="utf-8"):
+        _run(["make", "-C", str(folder), "-f", f"V{TOP}.mk", "OPT_FAST=-O3", threads.name], folder)
+        objects.append(threads)
+    compile_ = ["g++", "-O2", "-fPIC", "-shared", f"-I{folder}", f"-I{root}/include", f"-I{root}/include/vltstd"]
+    part = folder / "device.part"
+    _run([*compile_, str(HERE / "harness.cpp"), *map(str, objects), "-o", str(part), "-pthread"], folder)
+    part.rename(made)
+    return made
+
+
+def _run(command, folder):
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    with (folder / "build.log").open("a", encoding="utf-8") as log:
+        log.write(f"$ {' '.join(command)}\n{done.stdout}{done.stderr}")
+    if done.returncode:
+        raise BuildError(f"{' '.join(command[:3])} ... failed:\n{done.stderr[-2000:]}")
+    return done.stdout
+
+
+class Setup(ctypes.Structure):
+    """The run-time inputs."""
+
+    _fields_ = [
+        (name, ctypes.c_uint32)
+        for name in (
+            "address bit_time format broadcast_en gap_count_only strict_turnaround response_delay stall_limit "
+            "de_lead de_tail busy write_lock"
+        ).split()
+    ]
+
+
+class _Outcome(ctypes.Structure):
+    _fields_ = [
+        ("answer_bytes", ctypes.c_int32),
+        ("strobes", ctypes.c_uint32 * STROBES),
+        ("write_count", ctypes.c_int32),
+        ("writes", ctypes.c_uint32 * MAX_WRITES),
+        ("write_last", ctypes.c_uint32 * MAX_WRITES),
+        ("latency", ctypes.c_int64),
+        ("lead", ctypes.c_int64),
+        ("tail", ctypes.c_int64),
+        ("answer", ctypes.c_uint8 * MAX_ANSWER),
+    ]
+
+
+@dataclass
+class Outcome:
+    """What one transfer did: answer bytes (None: silence), strobe counts, writes, times in clocks."""
+
+    answer: bytes | None
+    errors: dict
+    good: int
+    writes: list
+    latency: int
+    lead: int
+    tail: int
+
+
+class LineError(AssertionError):
+    """The answer is not clean on the line."""
+
+
+class Device:
+    """One compiled slave."""
+
+    def __init__(self, path):
+        lib = ctypes.CDLL(str(path))
+        lib.device_new.restype = ctypes.c_void_p
+        lib.device_host.restype = ctypes.c_int32
+        lib.device_xfer.argtypes = [
+            ctypes.c_void_p,
+            ctypes.c_int,
+            ctypes.c_char_p,
+            ctypes.c_void_p,
+            ctypes.c_char_p,
+            ctypes.c_double,
+            ctypes.c_uint32,
+            ctypes.c_void_p,
+        ]
+        self._lib, self._handle = lib, ctypes.c_void_p(lib.device_new())
+        self._out = _Outcome()
+        self.character = 0  # clocks
+        self.bit_time = 0
+
+    def close(self):
+        self._lib.device_free(self._handle)
+
+    def setup(self, fmt, bit_time, **inputs):
+        """Set the run-time inputs; what is not named is 0."""
+        self.bit_time, self.character = bit_time, fmt.length * bit_time
+        setup = Setup(bit_time=bit_time, format=fmt.code, **inputs)
+        self._lib.device_setup(self._handle, ctypes.byref(setup))
+
+    def reset(self):
+        self._lib.device_reset(self._handle)
+
+    def idle(self, clocks):
+        self._lib.device_idle(self._handle, ctypes.c_uint32(round(clocks)))
+
+    def noise(self, clocks):
+        """Alternating levels from 0 on, each for so many clocks."""
+        array = (ctypes.c_uint32 * len(clocks))(*clocks)
+        self._lib.device_noise(self._handle, len(clocks), array)
+
+    def host(self, space, item, write=None):
+        """Host port access; the value, or None for err."""
+        value = self._lib.device_host(
+            self._handle, bus_address(space, item), int(write is not None), write or 0
+        )
+        assert value != -2, "the host port does not answer"
+        return None if value < 0 else value
+
+    def transfer(self, line, patience, offset=0.0):
+        """Send a line; Outcome. Raises LineError if the answer is not clean."""
+        sent = characters(line)
+        count, out = len(sent), self._out
+        gaps = (ctypes.c_uint32 * count)(*[round(c.gap * self.character) for c in sent])
+        self._lib.device_xfer(
+            self._handle,
+            count,
+            bytes(c.byte for c in sent),
+            gaps,
+            bytes(FAULTS[c.error] for c in sent),
+            offset,
+            round(patience),
+            ctypes.byref(out),
+        )
+        if out.answer_bytes < 0:
+            raise LineError(LINE_FAULTS[out.answer_bytes])
+        writes = [
+            (Space(out.writes[i] >> 16), out.writes[i] & 0xFFFF, out.write_last[i])
+            for i in range(out.write_count)
+        ]
+        return Outcome(
+            bytes(out.answer[: out.answer_bytes]) if out.answer_bytes else None,
+            dict(zip(ERRORS, out.strobes)),
+            out.strobes[STROBES - 1],
+            writes,
+            out.latency,
+            out.lead,
+            out.tail,
+        )
