@@ -105,6 +105,26 @@ def verilog_jobs(modules: list[str]) -> list[Job]:
     return jobs
 
 
+def example_jobs() -> list[Job]:
+    """The instantiations that the documents offer to copy must compile against the RTL."""
+    jobs = []
+    for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        if not path.exists():
+            continue
+        blocks = re.findall(r"^```verilog\n(module (\w+).*?)^```", path.read_text(), re.M | re.S)
+        for text, module in blocks:
+            copy = ROOT / f"build/lint/{module}.v"
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_text(text)
+            label = f"{path.name} {module}"
+            common = ["-Irtl", *rtl_files(), str(copy)]
+            jobs.append(Job(f"iverilog {label}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *common]))
+            # An example leaves outputs open on purpose.
+            verilator = ["verilator", "--lint-only", "-Wall", "-Wno-PINCONNECTEMPTY", "--language", "1364-2005"]
+            jobs.append(Job(f"verilator {label}", [*verilator, "--top-module", module, *common]))
+    return jobs
+
+
 def messages_of(job: Job) -> list[str]:
     """Run one job; its messages, or one that says it failed."""
     try:
@@ -210,7 +230,7 @@ def main() -> int:
         print(f"lint: no module {', '.join(unknown)} in rtl/modbus.f", file=sys.stderr)
         return 2
     modules = chosen or rtl_modules()
-    jobs = verilog_jobs(modules)
+    jobs = verilog_jobs(modules) + ([] if chosen else example_jobs())
     print(f"linting {len(modules)} modules, {len(jobs)} runs", flush=True)
     seen: dict[str, str] = {}
     with ThreadPoolExecutor(2) as pool:

@@ -26,16 +26,18 @@ from common import ROOT
 
 NAMES = ROOT / "build/waves"  # translation tables, one a state register
 BINARY, HEX, NAMED = "@28", "@22", "@2022"  # GTKWave's display codes; NAMED: hex through a table
-# Groups from top to bottom: title, and what the last part of a signal's name looks like
+# Groups from top to bottom: title, module that a signal must be in (any when empty), its name.  A name
+# that is seen at several depths, like a port wired through, is shown once, at the top; states all are.
 GROUPS = [
-    ("line", r"rxd_i|txd_o|de_o"),
-    ("characters", r"(char|start)_stb_o|data_o|parity_error_o|framing_error_o"),
-    ("states", r"state_q|step|at_q"),
-    ("silence", r"t15_o|t35_o|quiet_q"),
-    ("frame", r"good_stb_o|active_o|rx_active_o|frame_stb_o|crc_zero_i|count_o|cursor_o|send_stb_o|err_\w+_o"),
-    ("grant", r"grant_(req|space|first|last|write)_o|grant_ack_i|exception_i"),
-    ("bus", r"wb_(cyc|stb|we|adr|dat)_o|wb_(dat|ack|err)_i"),
-    ("events", r"write_(stb|space|first|last)_o|alive_o|busy_i"),
+    ("line", "", r"rxd_i|txd_o|de_o"),
+    ("characters", "modbus_uart_rx", r"(char|start)_stb_o|data_o|parity_error_o|framing_error_o"),
+    ("silence", "modbus_line_timer", r"t15_o|t35_o"),
+    ("states", "", r"state_q"),
+    ("program", "modbus_dispatch", r"step|at_q"),
+    ("frame", "", r"good_stb_o|rx_active_o|frame_stb_o|count_o|cursor_o|send_stb_o|err_(?!i$)\w+_o"),
+    ("grant", "", r"grant_(req|space|first|last|write)_o|grant_ack_i|exception_i"),
+    ("bus", "", r"wb_(cyc|stb|we|adr|dat)_o|wb_(dat|ack|err)_i"),
+    ("events", "", r"write_(stb|space|first|last)_o|alive_o|busy_i"),
 ]
 
 
@@ -83,29 +85,26 @@ def save_file(trace: Path) -> Path:
     wave = pywellen.Waveform(path=str(trace))
     tables = state_names()
     modules = [p.stem for p in (ROOT / "rtl").glob("*.v")]
-    rows: dict[str, list[str]] = {title: [] for title, _ in GROUPS}
-    seen = set()
-    for variable in wave.all_vars():
+    found = sorted(wave.all_vars(), key=lambda variable: variable.full_name.count("."))
+    rows: dict[str, list[str]] = {title: [] for title, _, _ in GROUPS}
+    shown = set()
+    for variable in found:
         path = variable.full_name
         scope, _, name = path.rpartition(".")
-        wide = not variable.is_1bit
         plain = re.sub(r"\[[\d:]+\]$", "", name)
-        for title, pattern in GROUPS:
-            if not re.fullmatch(pattern, plain):
-                continue
-            depth = scope.count(".")
-            if title in ("line", "grant", "bus", "events") and depth > 0:
-                continue  # the same wires again inside
-            if path in seen:
-                break
-            seen.add(path)
-            table = tables.get((module_of(scope, modules), plain))
-            ranged = path if plain != name or not wide else f"{path}[{variable.length - 1}:0]"
-            if table:
-                rows[title] += [NAMED, f"^1 {table}", ranged]
-            else:
-                rows[title] += [HEX if wide else BINARY, ranged]
-            break
+        module = module_of(scope, modules)
+        group = next((t for t, m, p in GROUPS if m in ("", module) and re.fullmatch(p, plain)), None)
+        key = (group, path if group == "states" else plain)
+        if not group or not module or key in shown:
+            continue
+        shown.add(key)
+        ranged = path if plain != name or variable.is_1bit else f"{path}[{variable.length - 1}:0]"
+        if group == "states":
+            ranged = f"+{{{module.removeprefix('modbus_')}}} {ranged}"  # GTKWave's alias
+        if table := tables.get((module, plain)):
+            rows[group] += [NAMED, f"^1 {table}", ranged]
+        else:
+            rows[group] += [BINARY if variable.is_1bit else HEX, ranged]
     lines = [f'[dumpfile] "{trace}"', "[timestart] 0", "[size] 1600 900", "[sst_width] 200", "[signals_width] 300"]
     for title, signals in rows.items():
         if signals:
