@@ -13,6 +13,7 @@
 // process asleep in poll, while nothing does.  Arguments come checked from serve.py.
 
 #include <asm/termbits.h>  // termios2: any speed; excludes <termios.h>
+#include <algorithm>
 #include <cerrno>
 #include <cinttypes>
 #include <csignal>
