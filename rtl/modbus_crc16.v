@@ -31,6 +31,34 @@ module modbus_crc16 (
   assign bit_o  = crc_q[0];
   assign zero_o = (crc_q == 16'h0000);
 
+`ifdef FORMAL
+  // Sending the register, or receiving what it holds, empties it: after n such bits its n highest bits are zero.
+  reg [4:0] f_own = 5'd0;
+  wire      f_same = ~feed_i | (data_i == bit_o);
+
+  always @(posedge clk_i)
+    if (clear_i) f_own <= 5'd0;
+    else if (shift_i) f_own <= !f_same ? 5'd0 : (f_own == 5'd16) ? 5'd16 : f_own + 5'd1;
+
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+
+  always @(posedge clk_i) begin
+    assert (f_own <= 5'd16);
+    assert ((crc_q >> (5'd16 - f_own)) == 16'd0);
+    assert (f_own != 5'd16 || zero_o);
+    if (f_past && $past(clear_i)) assert (crc_q == 16'hFFFF);
+    // One step of x^16 + x^15 + x^2 + 1, written the other way round: bit by bit.
+    if (f_past && !$past(clear_i) && $past(shift_i) && $past(feed_i)) begin
+      assert (crc_q[15] == ($past(crc_q[0]) ^ $past(data_i)));
+      assert (crc_q[13] == ($past(crc_q[14]) ^ crc_q[15]));
+      assert (crc_q[0]  == ($past(crc_q[1]) ^ crc_q[15]));
+      assert (crc_q[14] == $past(crc_q[15]) && crc_q[12:1] == $past(crc_q[13:2]));
+    end
+    cover (f_past && zero_o && f_own == 5'd16);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

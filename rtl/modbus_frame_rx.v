@@ -111,6 +111,49 @@ module modbus_frame_rx (
   assign err_long_o    = verdict & long_q;
   assign err_gap_o     = verdict & gap_q;
 
+`ifdef FORMAL
+  reg       f_past = 1'b0;
+  reg       f_clean = 1'b0;          // no character of this frame was faulty
+  reg [8:0] f_stored = 9'd0;         // characters stored
+  wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (open_stb_o) begin
+      f_clean  <= 1'b1;
+      f_stored <= 9'd0;
+    end else begin
+      if (char_stb_i && (parity_error_i || framing_error_i)) f_clean <= 1'b0;
+      if (store_stb_o) f_stored <= f_stored + 9'd1;
+    end
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @* if (reception) assume (count_i == f_stored);     // what the frame RAM does
+  always @(posedge clk_i) if (f_past) assume ($stable(gap_count_only_i));
+
+  always @(posedge clk_i) if (f_past) begin
+    if (reception) begin
+      assert (f_stored <= 9'd256);
+      assert (f_clean || parity_q || framing_q);
+    end
+    if (good_stb_o) begin
+      assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 && f_stored <= 9'd256);
+      assert (gap_count_only_i || !gap_q);
+      assert (!long_q);
+      assert (!(f_error && !err_gap_o));
+    end
+    if (verdict) assert (good_stb_o || f_error);             // every frame is accounted for
+    if (store_stb_o) assert (f_stored < 9'd256 && reception);
+    assert (!(good_stb_o && done_stb_i && state_q == ST_WORK));
+    if ($past(good_stb_o) && !$past(rst_i)) assert (state_q == ST_WORK);
+    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good_stb_o);
+    cover (good_stb_o && f_stored == 9'd5);
+    cover (err_gap_o && !good_stb_o);
+    cover (err_overrun_o);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -77,6 +77,12 @@ module modbus_line_timer #(
           t35_q    <= 1'b0;
         end
       end
+`ifdef FORMAL
+      always @(posedge clk_i) begin
+        assert (!rest_q || !t15_q || f_clocks > T15_CLOCKS);
+        assert (!rest_q || !t35_q || f_clocks > T35_CLOCKS);
+      end
+`endif
       assign t15_floor = t15_q;
       assign t35_floor = t35_q;
     end
@@ -84,6 +90,39 @@ module modbus_line_timer #(
 
   assign t15_o = t15_chars_q & t15_floor;
   assign t35_o = t35_chars_q & t35_floor & ~busy_i;
+
+`ifdef FORMAL
+  reg       f_past = 1'b0;
+  reg [8:0] f_quarters = 9'd0;       // quarters of silence, the rest of the stop bits included
+  reg [15:0] f_clocks = 16'd0;       // clocks of silence, likewise
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (rst_i || busy_i) begin
+      f_quarters <= 9'd0;
+      f_clocks   <= 16'd0;
+    end else begin
+      if (quarter_stb_i && !(&f_quarters)) f_quarters <= f_quarters + 9'd1;
+      if (!(&f_clocks)) f_clocks <= f_clocks + 16'd1;
+    end
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past) assume ($stable(format_i));
+
+  always @(posedge clk_i) if (f_past) begin
+    assert (quarters_q <= t35 + 8'd1);
+    assert (f_quarters >= {1'b0, quarters_q});
+    assert (!t15_chars_q || quarters_q >= t15);
+    assert (!t35_chars_q || quarters_q >= t35);
+    if (!$past(rst_i) && !$past(busy_i)) begin
+      if (t15_o) assert (f_quarters >= {1'b0, t15} && f_clocks > T15_CLOCKS);     // never early
+      if (t35_o) assert (f_quarters >= {1'b0, t35} && f_clocks > T35_CLOCKS);
+    end
+    if (busy_i) assert (!t35_o);
+    cover (t35_o && t15_o);
+  end
+`endif
 
 endmodule
 

@@ -128,6 +128,47 @@ module modbus_uart_rx (
   assign framing_error_o = framing_error_q;
   assign busy_o          = state_q[1];
 
+`ifdef FORMAL
+  reg       f_past = 1'b0;
+  reg [3:0] f_bits = 4'd0;           // data bits since the start bit
+  reg       f_parity = 1'b0;         // over them
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (start_stb_o)    {f_bits, f_parity} <= {4'd0, is_odd};
+    else if (bit_stb_o) {f_bits, f_parity} <= {f_bits + 4'd1, f_parity ^ bit_o};
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past) begin
+    assume ($stable(format_i) || state_q == ST_IDLE);
+    // The bit clock counts quarters and begins anew where we ask for it.
+    if ($past(restart_o))          assume (quarter_i == 2'd0);
+    else if ($past(quarter_stb_i)) assume (quarter_i == $past(quarter_i) + 2'd1);
+    else                           assume ($stable(quarter_i));
+    assume (!$past(quarter_stb_i) || !quarter_stb_i);
+  end
+
+  wire [3:0] f_index_bits = (index_q == 4'd0) ? 4'd0 : (index_q > 4'd9) ? 4'd8 : index_q - 4'd1;
+
+  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
+    if (state_q == ST_BITS) begin
+      assert (index_q <= bit_stop);
+      if (index_q == 4'd0) assert (decided_q);
+      if (!start_stb_o && !bit_stb_o)
+        assert (f_bits == f_index_bits + ((decided_q && index_q != 4'd0 && index_q < 4'd9) ? 4'd1 : 4'd0));
+    end
+    if (state_q == ST_START) assert (index_q == 4'd0 && !decided_q);
+    if (char_stb_o) assert (f_bits == 4'd8);                         // never a shorter or longer one
+    if (char_stb_o) assert (framing_error_o ? state_q == ST_BREAK || !busy_o : !busy_o || state_q == ST_BREAK);
+    assert (!(start_stb_o && char_stb_o));
+    if (!$past(enable_i)) assert (!busy_o && !start_stb_o && !char_stb_o);   // deaf
+    cover (char_stb_o && data_o == 8'hA5 && !framing_error_o && !parity_error_o);
+    cover (char_stb_o && framing_error_o);
+    cover (state_q == ST_IDLE && $past(state_q) == ST_START);        // a spike
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -85,6 +85,49 @@ module modbus_uart_tx (
     end
   end
 
+`ifdef FORMAL
+  reg       f_past = 1'b0;
+  reg [7:0] f_data = 8'd0;           // the character as it was handed over
+  reg       f_check = 1'b0;
+  integer   f_i;
+  reg       f_parity;
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (take) begin
+      f_data  <= data_i;
+      f_check <= check_i;
+    end
+  end
+
+  always @* begin
+    f_parity = is_odd;
+    for (f_i = 0; f_i < 8; f_i = f_i + 1) if (f_i < index_q) f_parity = f_parity ^ f_data[f_i];
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past && $past(busy_q | take)) assume ($stable(format_i));
+
+  always @(posedge clk_i) if (f_past) begin
+    assert (check_q == f_check || !busy_q);
+    if (!busy_q) assert (txd_o);                                     // rests at 1
+    if (busy_q) begin
+      assert (index_q <= index_last);
+      if (index_q == 4'd0) assert (!txd_o);                          // start bit
+      if (!f_check && index_q < 4'd9) begin
+        assert (data_q == (f_data >> index_q));
+        assert (parity_q == f_parity);
+        if (index_q != 4'd0) assert (txd_o == f_data[index_q - 4'd1]);
+      end
+      if (!f_check && index_q == 4'd9 && has_parity) assert (txd_o == (^f_data ^ is_odd));
+      if (index_q > 4'd9 || (index_q == 4'd9 && !has_parity)) assert (txd_o);   // stop bits
+    end
+    if (!$past(rst_i) && $past(take)) assert (busy_q && index_q == 4'd0);
+    // Back to back: the stop bit of one is followed by the start bit of the next.
+    cover (busy_q && index_q == 4'd0 && $past(busy_q) && f_data == 8'hA5);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire
