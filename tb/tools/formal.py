@@ -36,13 +36,17 @@ ENGINES = {"pdr": "abc pdr", "induction": "smtbmc yices", "bmc": "smtbmc yices",
 
 
 class Proof(NamedTuple):
-    """One task: `method` is pdr or induction (unbounded), bmc (to a depth) or cover (to a depth)."""
+    """One task: `method` is pdr or induction (unbounded), bmc (to a depth) or cover (to a depth).
+
+    `cut` names instances whose outputs are free: whatever they might do, the proof must hold.
+    """
 
     name: str
     module: str
     method: str
     depth: int
     parameters: dict[str, str]
+    cut: list[str]
 
 
 class Mistake(NamedTuple):
@@ -68,9 +72,13 @@ def read_table() -> tuple[list[Proof], list[Mistake]]:
             continue
         fields = row.split()
         if len(fields) < 4 or fields[2] not in ENGINES or not fields[3].isdigit():
-            sys.exit(f"{TABLE}:{number}: expected: NAME MODULE {'|'.join(ENGINES)} DEPTH [PARAMETER=VALUE ...]")
+            sys.exit(
+                f"{TABLE}:{number}: expected: NAME MODULE {'|'.join(ENGINES)} DEPTH "
+                "[cut=INSTANCE,...] [PARAMETER=VALUE ...]"
+            )
         settings = dict(item.split("=", 1) for item in fields[4:])
-        proofs.append(Proof(fields[0], fields[1], fields[2], int(fields[3]), settings))
+        cut = settings.pop("cut", "").split(",")
+        proofs.append(Proof(*fields[:3], int(fields[3]), settings, [name for name in cut if name]))
     return proofs, mistakes
 
 
@@ -92,6 +100,8 @@ def sby_text(proof: Proof, planted: Path | None) -> str:
         f"read -formal -I. {proof.module}.v",
         *([f"chparam{chparam} {proof.module}"] if chparam else []),
         f"prep -top {proof.module}",
+        *(f"select -assert-count 1 {proof.module}/{name}" for name in proof.cut),
+        *(f"cutpoint {proof.module}/{name}" for name in proof.cut),
         "memory_map",
         "[files]",
         *(f"{Path(f).name} {ROOT / f}" for f in [*others, *map(str, (ROOT / "rtl").glob("*.vh"))]),
