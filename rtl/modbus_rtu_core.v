@@ -247,19 +247,20 @@ module modbus_rtu_core #(
 `ifdef FORMAL
   // Above all: nothing is written, nor even looked at, without a complete good frame for us and a grant.
   reg f_past = 1'b0;
-  reg f_good = 1'b0;                 // a frame of 4..256 bytes with zero remainder is being worked on
+  reg f_good = 1'b0;                 // a frame of 4 bytes or more with zero remainder is being worked on
   reg f_ours = 1'b0;                 // its address byte is ours or 0
   reg f_write_granted = 1'b0;        // the bank agreed to a write in it
   reg f_granted = 1'b0;              // the bank agreed to an access
-  reg [7:0] f_byte = 8'd0;
+  reg f_own = 1'b0, f_zero = 1'b0;   // about the byte under the cursor a clock ago
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
-    f_byte <= frame_byte;
+    f_own  <= (frame_byte == address_i);
+    f_zero <= (frame_byte == 8'd0);
     if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
     else begin
-      if (good_stb) f_good <= crc_zero & (count >= 9'd4) & (count <= 9'd256) & t35;
-      if (addressed_stb) f_ours <= (f_byte == address_i) | (f_byte == 8'd0 & broadcast_en_i);
+      if (good_stb) f_good <= crc_zero & (count >= 9'd4) & t35;
+      if (addressed_stb) f_ours <= f_own | (f_zero & broadcast_en_i);
       if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
         f_granted <= 1'b1;
         if (grant_write_o) f_write_granted <= 1'b1;
@@ -278,6 +279,9 @@ module modbus_rtu_core #(
     // A beat is not withdrawn before the bank answers.
     if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall))
       assert (wb_stb_o && $stable(wb_adr_o) && $stable(wb_we_o));
+    cover (wb_stb_o && wb_we_o && f_write_granted);
+    cover (write_stb_o);
+    cover (wb_stb_o && !wb_we_o);
   end
 `endif
 
