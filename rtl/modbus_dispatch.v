@@ -86,6 +86,7 @@ module modbus_dispatch (
   reg [2:0]  space_q;                // of the step, registered because much hangs on it
   reg        write_q;
   reg        arrived_q;              // the cursor was at the place a clock ago: a walk goes every other clock
+  reg        finished_q;             // bank or burst ended a clock ago
   reg        count_held_q;           // count was the held byte a clock ago
 
   wire is_addressed  = is_q[`MB_STEP_ADDRESSED];
@@ -134,7 +135,7 @@ module modbus_dispatch (
   // A step that looks at fields or places takes four clocks, the others one or as long as it takes.
   wire fields = is_address | is_quantity | is_coil | is_byte_count;
   wire over   = ((is_addressed | fields | is_range | is_load | is_put) & fourth)
-              | ((is_grant | is_burst) & (done_i | fail_i)) | (is_walk & phase_q[0] & arrived_q)
+              | ((is_grant | is_burst) & finished_q) | (is_walk & phase_q[0] & arrived_q)
               | is_function | is_jump | is_end | is_point | is_send;
   wire quiet  = (is_addressed & second & ~for_all & ~for_us) | (broadcast_q & ((is_jump & argument[8]) | is_send));
   wire send   = is_send & ~broadcast_q;
@@ -149,6 +150,7 @@ module modbus_dispatch (
     space_q      <= argument[10:8];
     write_q      <= argument[0];
     arrived_q    <= (cursor_i == argument[3:0]);
+    finished_q   <= done_i | fail_i;
     count_held_q <= (count_i == {1'b0, held_i});
     if (is_addressed && second) broadcast_q <= for_all;
 
@@ -198,8 +200,8 @@ module modbus_dispatch (
   assign single_o   = is_range & first & argument[0];
   assign range_o    = is_range & second;
   assign load_o     = is_load & second;
-  assign grant_o    = is_grant;
-  assign burst_o    = is_burst;
+  assign grant_o    = is_grant & ~finished_q;
+  assign burst_o    = is_burst & ~finished_q;
   assign limit_o    = argument[10:0];
   assign space_o    = space_q;
   assign write_o    = write_q;

@@ -33,7 +33,7 @@ module modbus_frame_rx (
   // Frame RAM
   input  wire [8:0] count_i,
   output wire       open_stb_o,      // strobe: a frame begins; cursor, count and CRC to start
-  output wire       store_stb_o,     // strobe: the character belongs under the cursor
+  output wire       store_stb_o,     // strobe: the character belongs under the cursor, a clock after char_stb_i
 
   // Verdict
   output wire       good_stb_o,      // strobe: good frame complete, t3.5 has passed
@@ -55,6 +55,7 @@ module modbus_frame_rx (
   reg [1:0] state_q = ST_INITIAL, state_d;
   reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
   reg       heard_q = 1'b0;          // a character came while we worked
+  reg       store_q = 1'b0;
 
   wire reception = (state_q == ST_RECEPTION);
   wire full      = count_i[8];
@@ -66,7 +67,7 @@ module modbus_frame_rx (
   wire good      = verdict & ~broken & crc_zero_i;
 
   assign open_stb_o  = (state_q == ST_IDLE) & start_stb_i;
-  assign store_stb_o = reception & char_stb_i & ~full & ~spoiled;
+  assign store_stb_o = store_q;
 
   always @* begin
     state_d = state_q;
@@ -84,6 +85,7 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) begin
     state_q <= state_d;
+    store_q <= reception & char_stb_i & ~full & ~spoiled & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
     if (open_stb_o) begin
       parity_q  <= 1'b0;
@@ -130,7 +132,11 @@ module modbus_frame_rx (
 
   always @* if (!f_past) assume (rst_i);
   always @* if (reception) assume (count_i == f_stored);     // what the frame RAM does
-  always @(posedge clk_i) if (f_past) assume ($stable(gap_count_only_i));
+  always @(posedge clk_i) if (f_past) begin
+    assume ($stable(gap_count_only_i));
+    assume (!(char_stb_i && t35_i));                            // a character is no silence,
+    if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
+  end
 
   always @(posedge clk_i) if (f_past) begin
     if (reception) begin
@@ -144,7 +150,7 @@ module modbus_frame_rx (
       assert (!(f_error && !err_gap_o));
     end
     if (verdict) assert (good_stb_o || f_error);             // every frame is accounted for
-    if (store_stb_o) assert (f_stored < 9'd256 && reception);
+    if (store_stb_o) assert (f_stored < 9'd256 && reception && !char_stb_i);
     assert (!(good_stb_o && done_stb_i && state_q == ST_WORK));
     if ($past(good_stb_o) && !$past(rst_i)) assert (state_q == ST_WORK);
     if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good_stb_o);

@@ -40,6 +40,7 @@ module modbus_frame_tx (
 
   reg [2:0] state_q = ST_REST, state_d;
   reg       drive_q = 1'b0;
+  reg       step_q = 1'b0;           // a character was taken a clock ago; the next is far away
 
   wire counts = (state_q == ST_DELAY) | (state_q == ST_LEAD) | (state_q == ST_TAIL);
 
@@ -66,6 +67,7 @@ module modbus_frame_tx (
 
   always @(posedge clk_i) begin
     state_q <= state_d;
+    step_q  <= (state_q == ST_DATA) & ready_i;
     drive_q <= (state_d != ST_REST) & (state_d != ST_DELAY);
     if (rst_i) begin
       state_q <= ST_REST;
@@ -79,7 +81,7 @@ module modbus_frame_tx (
   assign wait_clear_o = ~counts | wait_over_i;
   assign wait_limit_o = (state_q == ST_DELAY) ? response_delay_i :
                         (state_q == ST_LEAD)  ? {8'd0, de_lead_i} : {8'd0, de_tail_i};
-  assign step_o       = (state_q == ST_DATA) & ready_i;
+  assign step_o       = step_q;
   assign valid_o      = (state_q == ST_DATA) | (state_q == ST_CHECK_LOW) | (state_q == ST_CHECK_HIGH);
   assign check_o      = (state_q != ST_DATA);
 
