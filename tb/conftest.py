@@ -29,12 +29,17 @@ def seed():
     return SEED
 
 
+def _property(report, name):
+    """What a test recorded as `name`, or an empty list."""
+    return dict(getattr(report, "user_properties", [])).get(name, [])
+
+
 def _counts(reporter):
     """(passed, failed, skipped): a pytest test that ran a simulation counts as its cocotb tests."""
     passed = failed = 0
     for outcome in ("passed", "failed", "error"):
         for report in reporter.stats.get(outcome, []):
-            inside = dict(report.user_properties).get("cocotb")
+            inside = _property(report, "cocotb")
             if inside:
                 good = sum(ok for _, ok in inside)
                 passed += good
@@ -53,6 +58,9 @@ def pytest_unconfigure(config):
     reporter = config.pluginmanager.get_plugin("terminalreporter")
     if reporter is None or hasattr(config, "workerinput"):
         return
+    for report in (r for outcome in ("passed", "failed") for r in reporter.stats.get(outcome, [])):
+        for line in _property(report, "figures"):
+            reporter.write_line(f"measured {line}")
     passed, failed, skipped = _counts(reporter)
     for report in reporter.stats.get("skipped", []):
         reporter.write_line(f"skipped {report.nodeid}: {report.longrepr[2]}")

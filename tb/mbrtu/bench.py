@@ -13,7 +13,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer, with_timeout
 
 from . import build, frames
-from .defs import ERRORS, F8E1, Space, bus_address
+from .defs import ERRORS, F8E1, FORMAT_BY_NAME, Space, bus_address
 from .frames import text
 from .line import Line, now
 from .model import Slave, characters, split
@@ -110,7 +110,9 @@ class Bench:
     # -------------------------------------------------------------- configuration and time
 
     def apply(self, **setup):
-        """Change run-time inputs, of the device and of the model."""
+        """Change run-time inputs, of the device and of the model; `fmt` may be a format's name."""
+        if isinstance(setup.get("fmt"), str):
+            setup["fmt"] = FORMAT_BY_NAME[setup["fmt"]]
         self.setup = dataclasses.replace(self.setup, **setup)
         for name, value in dataclasses.asdict(self.setup).items():
             port = "format" if name == "fmt" else name

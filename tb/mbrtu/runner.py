@@ -6,6 +6,8 @@ Environment: WAVES=1 keeps a trace (dump.fst in the build folder), RTL=folder ta
 from a copy (the mistakes do), CASE=regular expression runs only the cocotb tests whose name matches.
 """
 
+import contextlib
+import fcntl
 import hashlib
 import json
 import os
@@ -22,6 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TB = ROOT / "tb"
 PRODUCTS = Path(os.environ.get("BENCH_BUILD", ROOT / "build" / "tb"))
 RTL = Path(os.environ.get("RTL", ROOT / "rtl"))
+EXTRA_SOURCES = [TB / "modules"]  # benches in Verilog that put two modules together
 VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
 
 
@@ -63,31 +66,45 @@ def simulator(name):
     return get_runner(name)
 
 
-def build(sim, top, parameters, extra_sources=()):
-    """Compile `top`; returns (runner, folder). Equal builds share a folder and are made once."""
+@contextlib.contextmanager
+def locked(folder):
+    """Only one process at a time builds in `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def build(sim, top, parameters, own=""):
+    """Compile `top`; returns (runner, folder).
+
+    Verilator's long builds are shared by all that want the same; Icarus builds, which take no time,
+    are kept apart by `own`, so that tests run beside each other.
+    """
     runner = simulator(sim)
     files, folders = sources()
-    files += [Path(f) for f in extra_sources]
-    key = json.dumps([str(RTL), sim, top, parameters, [str(f) for f in files]], sort_keys=True)
-    folder = PRODUCTS / f"{sim}_{top}_{hashlib.sha1(key.encode()).hexdigest()[:8]}"
+    files += sorted(p for f in EXTRA_SOURCES for p in f.glob("*.v"))
     waves = os.environ.get("WAVES") == "1"
+    key = json.dumps([str(RTL), parameters, waves], sort_keys=True)
+    name = f"{sim}_{own or top}" if sim == "icarus" else f"{sim}_{top}"
+    folder = PRODUCTS / f"{name}_{hashlib.sha1(key.encode()).hexdigest()[:8]}"
     arguments = {
         "icarus": ["-Wall", *([] if waves else ["-g2005"])],
         "verilator": ["-Wno-fatal", "--x-assign", "fast", "--x-initial", "fast", "-O3"],
     }[sim]
-    folder.mkdir(parents=True, exist_ok=True)
-    runner.build(
-        sources=files,
-        includes=folders,
-        hdl_toplevel=top,
-        build_dir=folder,
-        parameters=parameters,
-        timescale=("1ns", "1ps"),
-        always=sim == "icarus",
-        build_args=arguments,
-        waves=waves,
-        log_file=folder / "build.log",
-    )
+    with locked(folder):
+        runner.build(
+            sources=files,
+            includes=folders,
+            hdl_toplevel=top,
+            build_dir=folder,
+            parameters=parameters,
+            timescale=("1ns", "1ps"),
+            always=sim == "icarus",
+            build_args=arguments,
+            waves=waves,
+            log_file=folder / "build.log",
+        )
     return runner, folder
 
 
@@ -100,15 +117,16 @@ def results(xml):
     return out
 
 
-def run(record_property, sim, top, modules, parameters=None, env=None, only=None):
+def run(record_property, sim, top, modules, parameters=None, env=None, only=None, own=""):
     """Build `top` and run the cocotb `modules` (a name or several) in it; fails if one test fails.
 
     `only`, a regular expression, chooses among the cocotb tests; CASE from outside goes before it.
+    `own` names the folder of a run that may go beside others of the same build.
     Every cocotb test is handed to the closing count by `record_property`.
     """
     parameters = parameters or {}
     modules = [modules] if isinstance(modules, str) else list(modules)
-    runner, folder = build(sim, top, parameters)
+    runner, folder = build(sim, top, parameters, own)
     extra = {
         "BENCH_TOP": top,
         "BENCH_PARAMETERS": json.dumps(parameters),
@@ -118,9 +136,9 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
     case = os.environ.get("CASE") or only
     if case:
         extra["COCOTB_TEST_FILTER"] = case
-    name = "_".join(m.rsplit(".", 1)[-1] for m in modules)
-    log = folder / f"{name}.log"
-    xml = folder / f"{name}.xml"
+    place = folder / (own or "_".join(m.rsplit(".", 1)[-1] for m in modules))
+    place.mkdir(exist_ok=True)
+    log, xml = place / "test.log", place / "results.xml"
     xml.unlink(missing_ok=True)
     try:
         runner.test(
@@ -128,7 +146,7 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
             hdl_toplevel_lang="verilog",
             test_module=modules,
             build_dir=folder,
-            test_dir=folder,
+            test_dir=place,
             results_xml=str(xml),
             extra_env=extra,
             waves=os.environ.get("WAVES") == "1",

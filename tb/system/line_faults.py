@@ -8,7 +8,7 @@ import cocotb
 from cocotb.triggers import RisingEdge, Timer
 from mbrtu import frames
 from mbrtu.bench import CLOCK_PS, STRAGGLER_BITS, Bench
-from mbrtu.defs import F8E1, F8N1, F8N2, F8O1, FC, LONGEST_FRAME, Space
+from mbrtu.defs import F8N1, F8N2, FC, FORMAT_BY_NAME, LONGEST_FRAME, Space
 from mbrtu.line import now, wait_until
 from mbrtu.lines import scaled, with_error, with_gap
 
@@ -53,7 +53,7 @@ async def short_gaps_do_not_add_up(dut):
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=[F8E1, F8O1])
+@cocotb.parametrize(fmt=["8E1", "8O1"])
 async def parity_error_in_every_position(dut, fmt):
     tb = await Bench.start(dut, fmt=fmt)
     for place in range(len(READ)):
@@ -63,7 +63,7 @@ async def parity_error_in_every_position(dut, fmt):
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=[F8E1, F8O1, F8N2, F8N1])
+@cocotb.parametrize(fmt=list(FORMAT_BY_NAME))
 async def framing_error_in_every_position(dut, fmt):
     tb = await Bench.start(dut, fmt=fmt)
     for place in range(len(READ)):
@@ -199,19 +199,20 @@ async def recovers(tb):
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=[F8E1, F8O1, F8N1])
+@cocotb.parametrize(fmt=["8E1", "8O1", "8N1"])
 async def breaks(dut, fmt):
     tb = await Bench.start(dut, fmt=fmt)
     for bits in (9.6, 10.5, 11, 12, 13.7, 22, 40, 250):
         tb.strobes.clear()
         await tb.line.hold_low(bits)
-        await recovers_with_framing_error(tb, bits, fmt)
+        await recovers_with_framing_error(tb, bits)
     await tb.finish()
 
 
-async def recovers_with_framing_error(tb, bits, fmt):
+async def recovers_with_framing_error(tb, bits):
     """A low time that covers the stop bit is one character with a framing error."""
     await tb.silence()
+    fmt = tb.setup.fmt
     if bits > fmt.length - fmt.stops + 1:
         assert tb.strobes["framing"] == 1, f"{bits} bits low: {dict(tb.strobes)}"
     assert tb.strobes["frame"] == 0
@@ -243,13 +244,13 @@ async def break_next_to_a_frame_spoils_it(dut):
 @cocotb.test()
 @cocotb.parametrize(bit_time=[8, 16])
 async def spike_at_every_position(dut, bit_time):
-    """Shorter than a quarter bit: in every half bit of the request and of the silence after it."""
+    """Shorter than a quarter bit: in every bit of the request and of the silence after it."""
     tb = await Bench.start(dut, bit_time=bit_time)
     value = 0
     reach = len(READ) * 11 + 38
-    for half in range(-1, 2 * reach):
+    for place in range(reach):
         value += 1
-        begin = max(0.0, half / 2 + tb.rng.uniform(0, 0.5))
+        begin = place + tb.rng.uniform(0, 1)
         width = tb.rng.uniform(0.05, 0.24)
         await tb.both(write(value), note=f"spike {begin:.2f}+{width:.2f}", spikes=[(begin, width)])
     await tb.finish()
@@ -258,19 +259,19 @@ async def spike_at_every_position(dut, bit_time):
 @cocotb.test()
 async def spike_in_every_character(dut):
     tb = await Bench.start(dut, bit_time=16)
-    for value in range(60):
+    for value in range(24):
         spikes = [(11 * i + tb.rng.uniform(0.3, 10.5), 0.24) for i in range(len(READ))]
         await tb.both(write(value), note=f"spikes {spikes}", spikes=spikes)
     await tb.finish()
 
 
 @cocotb.test()
-@cocotb.parametrize(bit_time=[8, 9, 16])
+@cocotb.parametrize(bit_time=[8, 16])
 async def spike_before_a_start_bit(dut, bit_time):
     """Shortly before the frame, and before a start bit inside it."""
     tb = await Bench.start(dut, bit_time=bit_time)
-    for number in range(1, 60):
-        before, width = number / 48, tb.rng.choice((0.12, 0.2, 0.24))
+    for number in range(1, 30):
+        before, width = number / 24, tb.rng.choice((0.12, 0.2, 0.24))
         note = f"low for {width} bits, beginning {width + before:.3f} bits before a start bit"
         begin = now()
         await tb.line.hold_low(width)
@@ -370,7 +371,7 @@ async def own_echo_is_ignored(dut, strict):
 async def reset_at_any_moment(dut):
     tb = await Bench.start(dut)
     whole = (len(READ) + 7) * 11 + 45
-    for number in range(50):
+    for number in range(36):
         moment = tb.rng.uniform(0, whole)
         sender = cocotb.start_soon(tb.line.send(READ))
         await Timer(round(moment * tb.bit), "ps")

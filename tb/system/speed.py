@@ -6,29 +6,24 @@ import cocotb
 from mbrtu import frames
 from mbrtu.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
 from mbrtu.build import DEFAULT_CLK_HZ
-from mbrtu.defs import F8E1, F8N1, F8N2, F8O1, FC, FLOOR_BAUD
+from mbrtu.defs import FC, FLOOR_BAUD, FORMAT_BY_NAME
 from mbrtu.lines import scaled, with_gap
 
 OWN = 17
 READ = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 3))
 
 
-def longest_write(tb):
-    """A frame of 255 bytes that is executed."""
-    return frames.adu(OWN, frames.write_registers(0, [tb.rng.getrandbits(16) for _ in range(123)]))
-
-
-def longest_frame(tb):
-    """A frame of 256 bytes: its length is wrong, so exception 03 shows that it was understood."""
-    return frames.adu(OWN, frames.write_registers(0, [0xBAD] * 123) + tb.rng.randbytes(1))
-
-
 @cocotb.test()
 @cocotb.parametrize(
-    fmt=[F8E1, F8O1, F8N2, F8N1], bit_time=[8, 9, 10, 11, 13, 16, 17, 31, 100, 434]
+    case=[
+        *((fmt, bit_time) for fmt in FORMAT_BY_NAME for bit_time in (8, 9, 10, 11, 13, 16, 17, 31)),
+        ("8E1", 100),
+        ("8N1", 434),
+    ]
 )
-async def every_format_at_every_rate(dut, fmt, bit_time):
+async def every_format_at_every_rate(dut, case):
     """Gap-free answers with every bit exactly bit_time clocks long (the decoder demands it)."""
+    fmt, bit_time = case
     tb = await Bench.start(dut, fmt=fmt, bit_time=bit_time)
     words = [0x00FF, 0xFF00, 0x5AA5]
     assert await tb.both(frames.adu(OWN, frames.write_registers(0, words))) is not None
@@ -37,30 +32,41 @@ async def every_format_at_every_rate(dut, fmt, bit_time):
 
 
 @cocotb.test()
-@cocotb.parametrize(
-    case=[(8, -0.02), (8, 0.02), (16, -0.04), (16, 0.04), (20, 0.04), (33, -0.04), (100, 0.04)]
-)
+@cocotb.parametrize(case=[(8, -0.02), (8, 0.02), (16, -0.04), (16, 0.04)])
 async def baud_mismatch_over_the_longest_frame(dut, case):
+    """256 bytes: the length is wrong, so exception 03 shows that the frame was understood."""
     bit_time, offset = case
     tb = await Bench.start(dut, bit_time=bit_time)
-    rounds = 3 if bit_time <= 33 else 1
-    for _ in range(rounds):
-        for frame in (longest_write(tb), longest_frame(tb)):
-            answer = await tb.both(frame, offset=offset, timing=False, note=f"{offset:+.0%}")
-            assert answer is not None
+    frame = frames.adu(OWN, frames.write_registers(0, [0xBAD] * 123) + tb.rng.randbytes(1))
+    assert await tb.both(frame, offset=offset, timing=False, note=f"{offset:+.0%}") is not None
     await tb.finish()
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=[F8O1, F8N2, F8N1], offset=[-0.035, 0.035])
+@cocotb.parametrize(case=[(8, -0.02), (8, 0.02), (16, -0.04), (16, 0.04)])
+async def baud_mismatch_at_every_phase(dut, case):
+    """Short frames that begin anywhere between two clock edges."""
+    bit_time, offset = case
+    tb = await Bench.start(dut, bit_time=bit_time)
+    for step in range(0, 25, 2):
+        words = [tb.rng.choice((0, 0xFFFF, 0x8000, tb.rng.getrandbits(16))) for _ in range(3)]
+        frame = frames.adu(OWN, frames.write_registers(0, words))
+        note = f"{offset:+.0%}, {step}/25 of a clock"
+        await tb.both(frame, offset=offset, timing=False, note=note, phase=step * CLOCK_PS // 25)
+    await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(fmt=["8O1", "8N2", "8N1"], offset=[-0.035, 0.035])
 async def baud_mismatch_in_the_other_formats(dut, fmt, offset):
     tb = await Bench.start(dut, bit_time=16, fmt=fmt)
-    assert await tb.both(longest_write(tb), offset=offset, timing=False) is not None
+    frame = frames.adu(OWN, frames.write_registers(0, [tb.rng.getrandbits(16) for _ in range(40)]))
+    assert await tb.both(frame, offset=offset, timing=False) is not None
     await tb.finish()
 
 
 @cocotb.test()
-@cocotb.parametrize(bit_time=[8, 16, 50])
+@cocotb.parametrize(bit_time=[8, 16])
 async def jitter_on_every_edge(dut, bit_time):
     tb = await Bench.start(dut, bit_time=bit_time)
     reach = 0.10 if bit_time == 8 else 0.18
@@ -70,7 +76,7 @@ async def jitter_on_every_edge(dut, bit_time):
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=[F8E1, F8N2, F8N1])
+@cocotb.parametrize(fmt=["8E1", "8N2", "8N1"])
 async def silences_on_both_sides_of_19200(dut, fmt):
     """t1.5 and t3.5 grow with the character up to 19200 baud and stand still above."""
     clk_hz = PARAMETERS.get("CLK_HZ", DEFAULT_CLK_HZ)
@@ -91,11 +97,11 @@ async def silences_on_both_sides_of_19200(dut, fmt):
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=[F8E1, F8O1, F8N2, F8N1])
+@cocotb.parametrize(fmt=list(FORMAT_BY_NAME))
 async def silence_limits_to_the_bit(dut, fmt):
     """More than a bit inside or outside of t1.5 and t3.5 the outcome is fixed."""
     tb = await Bench.start(dut, fmt=fmt, bit_time=16)
-    bit = 1 / fmt.length
+    bit = 1 / tb.setup.fmt.length
     t15, t35 = tb.slave.config.t15, tb.slave.config.t35
     for near in (1.1 * bit, 1.6 * bit):
         for place in (1, 4, 7):
@@ -108,14 +114,3 @@ async def silence_limits_to_the_bit(dut, fmt):
         line = with_gap(foreign + READ, len(foreign), t35 - near)
         assert await tb.both(line, note="below t3.5") is None
     await tb.finish()
-
-
-@cocotb.test()
-async def widest_bit_time(dut):
-    """65535 clocks a bit: one character is timed, nothing overflows."""
-    tb = await Bench.start(dut, bit_time=65535)
-    tb.strobes.clear()
-    await tb.line.send(b"\xa5", phase=0)
-    await tb.silence(2)
-    assert tb.strobes["short"] == 1 and sum(tb.strobes.values()) == 1, dict(tb.strobes)
-    assert CLOCK_PS * 65535 == tb.bit

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Times in clock cycles on the compiled slave, where whole frames at real rates cost nothing.
+
+A 50 MHz clock at 115200 baud unless a test says otherwise; t1.5 and t3.5 with their floors.
+"""
+
+import pytest
+from differential.device import Device, library
+from mbrtu import frames
+from mbrtu.build import DEFAULT_CLK_HZ, NO_FLOORS, REFERENCE, model_config, silences
+from mbrtu.defs import F8E1, FC, FORMATS, T35_CHARACTERS
+from mbrtu.model import Slave
+
+OWN = 17
+BAUD = 115200
+BIT_TIME = round(DEFAULT_CLK_HZ / BAUD)
+SHARE = 0.02  # of t3.5: how late an answer may start, beyond what the bank takes
+CLOCKS_AN_ITEM = 2  # of a bit on the bus: one beat, one wait state of the RAM bank
+WORDS = [(0x1357 * i) & 0xFFFF for i in range(125)]
+
+# name: (request PDU, bit items on the bus, starts within a bit of t3.5)
+REQUESTS = {
+    "FC 03, 1 register": (frames.read(FC.READ_HOLDINGS, 0, 1), 0, True),
+    "FC 03, 125 registers": (frames.read(FC.READ_HOLDINGS, 0, 125), 0, True),
+    "FC 04, 125 registers": (frames.read(FC.READ_INPUTS, 0, 125), 0, True),
+    "FC 06": (frames.write_register(0, 0x1234), 0, True),
+    "FC 10, 123 registers": (frames.write_registers(0, WORDS[:123]), 0, True),
+    "FC 16": (frames.mask_write(0, 0x00FF, 0xAA55), 0, True),
+    "FC 17, 1 + 1 registers": (frames.read_write(0, 1, 1, [1]), 0, True),
+    "FC 17, 125 + 121 registers": (frames.read_write(0, 125, 0, WORDS[:121]), 0, False),
+    "FC 01, 1 coil": (frames.read(FC.READ_COILS, 0, 1), 1, True),
+    "FC 01, 1024 coils": (frames.read(FC.READ_COILS, 0, 1024), 1024, False),
+    "FC 02, 2000 discrete inputs": (frames.read(FC.READ_DISCRETES, 0, 2000), 2000, False),
+    "FC 05": (frames.write_coil(0, True), 1, True),
+    "FC 0F, 1024 coils": (frames.write_coils(0, [i % 3 & 1 for i in range(1024)]), 1024, False),
+    "exception 01": (b"\x41", 0, True),
+    "exception 02": (frames.read(FC.READ_HOLDINGS, 0xFFFF, 2), 0, True),
+    "exception 03": (frames.read(FC.READ_HOLDINGS, 0, 126), 0, True),
+}
+
+
+class Bench:
+    """A compiled slave and its model."""
+
+    def __init__(self, parameters, fmt=F8E1, bit_time=BIT_TIME, **inputs):
+        self.slave = Slave(model_config("modbus_rtu_slave", parameters))
+        self.device = Device(library(parameters))
+        self.device.setup(fmt, bit_time, address=OWN, broadcast_en=1, **inputs)
+        _, self.t35 = silences(parameters, fmt, bit_time)
+        self.device.reset()
+        self.device.idle(self.t35 + bit_time)
+
+    def ask(self, pdu, patience=20_000, **how):
+        """The outcome of one request; the answer is the model's."""
+        frame = frames.adu(OWN, pdu)
+        expected = self.slave.request(frame)
+        seen = self.device.transfer(frame, self.t35 + patience, **how)
+        assert seen.answer == expected, f"expected {frames.text(expected)}, seen {frames.text(seen.answer)}"
+        return seen
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_answer_starts_at_once(name, record_property):
+    """Never before t3.5; at most a bit later for registers, and 2 % beyond the bank's clocks for the rest."""
+    pdu, items, within_a_bit = REQUESTS[name]
+    bench = Bench(REFERENCE)
+    after = bench.ask(pdu).latency - bench.t35
+    figure = f"{name}: {after:.0f} clocks after t3.5 = {after / BIT_TIME:.2f} bits = {100 * after / bench.t35:.2f} %"
+    record_property("figures", [f"answer to {figure}"])
+    assert after >= 0, figure
+    most = BIT_TIME if within_a_bit else SHARE * bench.t35 + CLOCKS_AN_ITEM * items
+    assert after <= most, f"{figure}; at most {most:.0f}"
+
+
+@pytest.mark.parametrize("baud", [9600, 19200, 57600, 115200, 1_000_000])
+@pytest.mark.parametrize("fmt", FORMATS, ids=lambda f: f.name)
+def test_silence_before_the_answer_at_real_rates(fmt, baud):
+    """t3.5 of the real character up to 19200 baud, 1750 us above."""
+    bit_time = round(DEFAULT_CLK_HZ / baud)
+    bench = Bench(REFERENCE, fmt, bit_time)
+    wanted = T35_CHARACTERS * fmt.length * bit_time if baud <= 19200 else 87_500
+    after = bench.ask(frames.read(FC.READ_HOLDINGS, 0, 2)).latency - wanted
+    assert 0 <= after <= max(bit_time, 250), f"{after:.0f} clocks after t3.5"
+
+
+def test_driver_enable_in_clocks(record_property):
+    bench = Bench(REFERENCE)
+    seen = bench.ask(frames.write_register(0, 1))
+    record_property("figures", [f"driver enable: leads by {seen.lead} clocks, stays {seen.tail} clocks"])
+    assert 0 <= seen.lead <= BIT_TIME and 0 <= seen.tail <= BIT_TIME
+
+
+@pytest.mark.parametrize("lead,tail", [(1, 0), (0, 1), (3, 2), (11, 11), (15, 15)])
+def test_lead_and_tail_are_bit_times(lead, tail):
+    seen = Bench(REFERENCE, de_lead=lead, de_tail=tail).ask(frames.write_register(0, 1))
+    assert lead <= seen.lead / BIT_TIME <= lead + 1, f"{seen.lead} clocks"
+    assert tail <= seen.tail / BIT_TIME <= tail + 1, f"{seen.tail} clocks"
+
+
+def test_read_of_125_registers_takes_what_the_line_takes(record_property):
+    """Request 8 + answer 255 characters + 2 x t3.5, within 1 %."""
+    bench = Bench(REFERENCE)
+    pdu, _, _ = REQUESTS["FC 03, 125 registers"]
+    seen = bench.ask(pdu)
+    characters = (8 + len(seen.answer)) * F8E1.length * BIT_TIME
+    taken = characters - (len(seen.answer) * F8E1.length * BIT_TIME) + seen.latency
+    taken += len(seen.answer) * F8E1.length * BIT_TIME + bench.t35
+    line = characters + 2 * bench.t35
+    ms = 1000 / DEFAULT_CLK_HZ
+    record_property("figures", [f"read of 125 registers: {taken * ms:.3f} ms, the line needs {line * ms:.3f} ms"])
+    assert taken <= 1.01 * line
+
+
+def test_highest_rate():
+    """8 clocks a bit without floors: 6.25 Mbaud at 50 MHz."""
+    bench = Bench({**REFERENCE, **NO_FLOORS}, bit_time=8)
+    for pdu, _, _ in REQUESTS.values():
+        bench.ask(pdu)
+
+
+def test_widest_bit_time():
+    """65535 clocks a bit: one character is timed, nothing overflows."""
+    bench = Bench({**REFERENCE, **NO_FLOORS}, bit_time=65535)
+    assert bench.t35 == T35_CHARACTERS * 11 * 65535
+    seen = bench.device.transfer(b"\xa5", bench.t35 + 65535)
+    assert seen.answer is None and not seen.good
+    assert [error for error, count in seen.errors.items() if count] == ["short"]
+
+
+@pytest.mark.parametrize("delay", [0, 1, 100, 4095])
+def test_response_delay_counts_bit_times(delay):
+    bench = Bench({**REFERENCE, **NO_FLOORS}, bit_time=8, response_delay=delay)
+    plain = Bench({**REFERENCE, **NO_FLOORS}, bit_time=8).ask(frames.write_register(0, 1)).latency
+    seen = bench.ask(frames.write_register(0, 1), patience=8 * delay + 2000)
+    assert bench.t35 + 8 * delay <= seen.latency <= plain + 8 * (delay + 1), f"{seen.latency} clocks"
+
+
+@pytest.mark.parametrize(
+    "bit_time,offset", [(8, -0.02), (8, 0.02), (16, -0.04), (16, 0.04), (33, -0.04), (100, 0.04), (434, -0.04)]
+)
+def test_baud_mismatch_over_long_frames(bit_time, offset):
+    """Frames of 255 bytes, beginning at every phase of the bit; 8E1."""
+    bench = Bench({**REFERENCE, **NO_FLOORS}, bit_time=bit_time)
+    for number in range(12 if bit_time < 100 else 2):
+        words = [(WORDS[i] * (number + 1)) & 0xFFFF if i % 5 else 0xFFFF * (i & 1) for i in range(123)]
+        bench.ask(frames.write_registers(0, words), offset=offset)
+        bench.device.idle(number * 7 % bit_time + 1)
