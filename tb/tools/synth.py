@@ -52,6 +52,8 @@ FIXED_LINE = {  # 8E1, 115200 baud at 50 MHz, address 17, everything optional of
     "busy_i": 0,
     "write_lock_i": 0,
 }
+# `basic` sets address, rate and format at run time; the options are tied as most boards tie them.
+OPTIONS_OFF = {port: value for port, value in FIXED_LINE.items() if port not in ("address_i", "bit_time_i", "format_i")}
 # profile -> bank -> (parameters, ties).  The function codes of `basic` are 01-06 0F 10; `default` takes
 # every parameter as the RTL gives it.
 PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
@@ -76,15 +78,15 @@ PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
                 "INPUT_COUNT": "64",
                 "HOLDING_COUNT": "64",
             },
-            {},
+            OPTIONS_OFF,
         ),
-        "io": ({"FUNCTION_CODES": "32'h0001807E"}, {}),
+        "io": ({"FUNCTION_CODES": "32'h0001807E"}, OPTIONS_OFF),
     },
     "default": {"ram": ({}, {}), "io": ({}, {})},
 }
 PROFILE_NOTES = {
     "minimal": "03 06 10, 8 holding + 8 input registers, address, rate and format tied",
-    "basic": "01-06 0F 10, everything else set at run time",
+    "basic": "01-06 0F 10; address, rate and format set at run time",
     "default": "01-06 0F 10 16 17, everything else set at run time",
 }
 MARK_BEGIN, MARK_END = "<!-- synth table begin -->", "<!-- synth table end -->"
