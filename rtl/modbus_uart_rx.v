@@ -58,17 +58,18 @@ module modbus_uart_rx (
   reg [7:0] data_q = 8'h00;
   reg       parity_q = 1'b0;
   reg       start_stb_q = 1'b0, bit_stb_q = 1'b0, char_stb_q = 1'b0;
-  reg       framing_error_q = 1'b0;
+  reg       framing_error_q = 1'b0, parity_error_q = 1'b0;
 
   // Whichever look completes the majority has the majority's value.
   wire decide   = quarter_stb_i & ~decided_q &
                   ((quarter_i == 2'd1 && line_q == first_q) || quarter_i == 2'd2);
   wire is_stop   = (index_q == bit_stop);
   wire is_parity = has_parity && index_q == BIT_PARITY;
-  wire begin_char = (state_q == ST_IDLE) & enable_i & ~rxd_i;
   wire confirm    = (state_q == ST_START) & decide & ~line_q;
   wire take_bit   = (state_q == ST_BITS) & decide;
   wire finish     = take_bit & is_stop;
+  // The start bit behind a fast sender's stop bit may fall in the very clock in which that is decided.
+  wire begin_char = ((state_q == ST_IDLE) | (finish & line_q)) & enable_i & ~rxd_i;
 
   always @* begin
     state_d = state_q;
@@ -81,7 +82,7 @@ module modbus_uart_rx (
         else if (decide || (quarter_stb_i && quarter_i == 2'd0 && rxd_i)) state_d = ST_IDLE;
       end
       // Data, parity and stop bits pass.
-      ST_BITS: if (finish) state_d = line_q ? ST_IDLE : ST_BREAK;
+      ST_BITS: if (finish) state_d = begin_char ? ST_START : line_q ? ST_IDLE : ST_BREAK;
       // The stop bit was 0: wait for the line to rest.
       ST_BREAK: if (rxd_i) state_d = ST_IDLE;
     endcase
@@ -93,7 +94,10 @@ module modbus_uart_rx (
     start_stb_q <= confirm & enable_i;
     bit_stb_q   <= take_bit & ~is_stop & ~is_parity;
     char_stb_q  <= finish & enable_i;
-    if (finish) framing_error_q <= ~line_q;
+    if (finish) begin
+      framing_error_q <= ~line_q;
+      parity_error_q  <= has_parity & parity_q;
+    end
 
     if (quarter_stb_i) begin
       if (quarter_i == 2'd0) first_q <= line_q;
@@ -124,7 +128,7 @@ module modbus_uart_rx (
   assign bit_o           = data_q[7];
   assign char_stb_o      = char_stb_q;
   assign data_o          = data_q;
-  assign parity_error_o  = has_parity & parity_q;
+  assign parity_error_o  = parity_error_q;
   assign framing_error_o = framing_error_q;
   assign busy_o          = state_q[1];
 
