@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// timing_top - one of the two drop-ins with the signals between core and bank brought out, to be measured.
+
+`default_nettype none
+
+module timing_top #(
+  parameter IO = 0,                  // 0 modbus_rtu_slave, 1 modbus_rtu_slave_io
+  parameter FLOORS = 1,              // 0: t1.5 and t3.5 without floors
+  parameter BITS = 2000,             // coils, and discrete inputs
+  parameter WORDS = 125              // input registers, and holding registers
+) (
+  input  wire        clk_i, rst_i, rxd_i,
+  input  wire [15:0] bit_time_i,
+  input  wire [1:0]  format_i,
+  input  wire [11:0] response_delay_i,
+  input  wire [15:0] stall_limit_i,
+  input  wire [3:0]  de_lead_i, de_tail_i,
+  input  wire        strict_turnaround_i,
+  input  wire        host_cyc_i, host_stb_i, host_we_i,
+  input  wire [18:0] host_adr_i,
+  input  wire [15:0] host_dat_i,
+  output wire [31:0] watch_o,        // named in device.py
+  output wire [2:0]  grant_space_o,
+  output wire [15:0] grant_first_o, grant_last_o,
+  output wire [3:0]  exception_o,
+  output wire [18:0] wb_adr_o,
+  output wire [15:0] wb_write_o, wb_read_o, host_dat_o
+);
+
+  localparam T15 = (FLOORS != 0) ? 750 : 0, T35 = (FLOORS != 0) ? 1750 : 0;
+
+  wire txd, de, rx_active, frame, write, parity, framing, overrun, crc, short, long, gap, host_ack, host_err;
+
+  generate
+    if (IO == 0) begin : gen_ram
+      modbus_rtu_slave #(
+        .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS),
+        .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
+      ) u_slave (
+        .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd), .de_o(de), .address_i(8'd17),
+        .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
+        .strict_turnaround_i(strict_turnaround_i), .response_delay_i(response_delay_i),
+        .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .busy_i(1'b0),
+        .write_lock_i(1'b0), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
+        .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack),
+        .host_err_o(host_err), .write_stb_o(write), .write_space_o(), .write_first_o(), .write_last_o(),
+        .alive_o(), .rx_active_o(rx_active), .frame_stb_o(frame), .err_parity_o(parity),
+        .err_framing_o(framing), .err_overrun_o(overrun), .err_crc_o(crc), .err_short_o(short),
+        .err_long_o(long), .err_gap_o(gap)
+      );
+      assign watch_o = {11'd0, u_slave.grant_write, gap, long, short, crc, overrun, framing, parity, host_err,
+                        host_ack, u_slave.wb_ack, u_slave.wb_we, u_slave.wb_stb, u_slave.wb_cyc,
+                        u_slave.grant_ack, u_slave.grant_req, write, frame, rx_active, de, txd};
+      assign grant_space_o = u_slave.grant_space;
+      assign grant_first_o = u_slave.grant_first;
+      assign grant_last_o  = u_slave.grant_last;
+      assign exception_o   = u_slave.exception;
+      assign wb_adr_o      = u_slave.wb_adr;
+      assign wb_write_o    = u_slave.wb_write;
+      assign wb_read_o     = u_slave.wb_read;
+    end else begin : gen_io
+      modbus_rtu_slave_io #(
+        .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS),
+        .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
+      ) u_slave (
+        .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd), .de_o(de), .address_i(8'd17),
+        .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
+        .strict_turnaround_i(strict_turnaround_i), .response_delay_i(response_delay_i),
+        .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .busy_i(1'b0),
+        .write_lock_i(1'b0), .coils_o(), .discretes_i({BITS{1'b0}}), .inputs_i({16*WORDS{1'b0}}),
+        .holdings_o(), .write_stb_o(write), .write_space_o(), .write_first_o(), .write_last_o(),
+        .alive_o(), .rx_active_o(rx_active), .frame_stb_o(frame), .err_parity_o(parity),
+        .err_framing_o(framing), .err_overrun_o(overrun), .err_crc_o(crc), .err_short_o(short),
+        .err_long_o(long), .err_gap_o(gap)
+      );
+      assign host_ack = 1'b0;
+      assign host_err = 1'b0;
+      assign host_dat_o = 16'd0;
+      assign watch_o = {11'd0, u_slave.grant_write, gap, long, short, crc, overrun, framing, parity, host_err,
+                        host_ack, u_slave.wb_ack, u_slave.wb_we, u_slave.wb_stb, u_slave.wb_cyc,
+                        u_slave.grant_ack, u_slave.grant_req, write, frame, rx_active, de, txd};
+      assign grant_space_o = u_slave.grant_space;
+      assign grant_first_o = u_slave.grant_first;
+      assign grant_last_o  = u_slave.grant_last;
+      assign exception_o   = u_slave.exception;
+      assign wb_adr_o      = u_slave.wb_adr;
+      assign wb_write_o    = u_slave.wb_write;
+      assign wb_read_o     = u_slave.wb_read;
+    end
+  endgenerate
+
+endmodule
+
+`default_nettype wire
