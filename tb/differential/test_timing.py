@@ -49,7 +49,7 @@ class Bench:
         self.device.setup(fmt, bit_time, address=OWN, broadcast_en=1, **inputs)
         _, self.t35 = silences(parameters, fmt, bit_time)
         self.device.reset()
-        self.device.idle(self.t35 + bit_time)
+        self.device.idle(self.t35 + 4 * bit_time)
 
     def ask(self, pdu, patience=20_000, **how):
         """The outcome of one request; the answer is the model's."""

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Clock, reset and strobe watching for tests that count clock cycles."""
+
+import random
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import ReadOnly, RisingEdge, Timer
+
+CLOCK_PS = 20_000
+
+
+async def start(dut, **inputs):
+    """Set every input (default 0), start the clock, reset for three clocks if there is a reset."""
+    for handle in dut:
+        if handle._name.endswith("_i") and handle._name != "clk_i":
+            handle.value = inputs.get(handle._name.removesuffix("_i"), 0)
+    Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
+    if hasattr(dut, "rst_i"):
+        dut.rst_i.value = 1
+        await clocks(dut, 3)
+        dut.rst_i.value = 0
+    await clocks(dut, 1)
+    return random.Random(1)
+
+
+async def clocks(dut, count=1):
+    """Wait for clock edges; returns just after the last."""
+    for _ in range(count):
+        await RisingEdge(dut.clk_i)
+
+
+async def settle():
+    """Let the outputs follow the inputs within this clock."""
+    await Timer(1, "ns")
+
+
+async def strobe(dut, **inputs):
+    """Drive inputs for one clock, then 0."""
+    for name, value in inputs.items():
+        getattr(dut, f"{name}_i").value = value
+    await clocks(dut)
+    for name in inputs:
+        getattr(dut, f"{name}_i").value = 0
+
+
+def watch(dut, name, values=()):
+    """A list that gets a tuple of `values` each clock in which strobe `name`_o is high."""
+    seen = []
+
+    async def task():
+        while True:
+            await RisingEdge(dut.clk_i)
+            if int(getattr(dut, f"{name}_o").value):
+                seen.append(tuple(int(getattr(dut, f"{v}_o").value) for v in values))
+
+    cocotb.start_soon(task())
+    return seen
+
+
+async def quiet_point():
+    """The end of this time step, for reading only."""
+    await ReadOnly()

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Each module alone, in cocotb with Icarus: which module, with which parameters, by which tests."""
+
+import pytest
+from mbrtu.build import table_parameters
+from mbrtu.defs import Space
+from mbrtu.runner import run
+
+TABLES = table_parameters(
+    {
+        Space.COILS: (300, 2100),
+        Space.DISCRETES: (65000, 536),
+        Space.INPUTS: (0, 0),
+        Space.HOLDINGS: (1000, 300),
+    }
+)
+SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
+
+# name: (top, parameters, cocotb module)
+MODULES = {
+    "sync": ("modbus_sync", {}, "sync"),
+    "uart_rx": ("rx_bench", {}, "uart_rx"),
+    "uart_tx": ("tx_bench", {}, "uart_tx"),
+    "crc16": ("modbus_crc16", {}, "crc16"),
+    "line_timer_characters": ("modbus_line_timer", {"T15_CLOCKS": 0, "T35_CLOCKS": 0}, "line_timer"),
+    "line_timer_floors": ("modbus_line_timer", {"T15_CLOCKS": 301, "T35_CLOCKS": 777}, "line_timer"),
+    "line_timer_between": ("modbus_line_timer", {"T15_CLOCKS": 10, "T35_CLOCKS": 400}, "line_timer"),
+    "frame_rx": ("modbus_frame_rx", {}, "frame_rx"),
+    "wait": ("modbus_wait", {}, "timers"),
+    "alive": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 7}, "alive"),
+    "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "alive"),
+    "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "alive"),
+    "bank_guard": ("modbus_bank_guard", {**TABLES, **SOME_READ_ONLY}, "bank_guard"),
+    "bank_guard_whole": (
+        "modbus_bank_guard",
+        {**table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536))), "READ_ONLY_COUNT": 65536},
+        "bank_guard",
+    ),
+    "bank_guard_overlay": ("modbus_bank_guard", {"OVERLAY": 1, "HOLDING_COUNT": 12}, "bank_guard"),
+    "bank_ram": ("modbus_bank_ram", TABLES, "bank_bus"),
+    "bank_io": ("modbus_bank_io", {}, "bank_bus"),
+}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_module(record_property, name):
+    top, parameters, module = MODULES[name]
+    run(record_property, "icarus", top, f"modules.{module}", parameters, own=f"module_{name}")
