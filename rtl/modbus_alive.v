@@ -3,14 +3,14 @@
 //
 // modbus_alive - tells whether a master talks to us: for outputs that must fall to a safe state when it does not.
 //
-// alive_o rises with a good frame for us (broadcast included) and falls TIMEOUT_MS after the last one, to
-// within 1 ms early.  With TIMEOUT_MS = 0 it stays high from the first frame on and the timer costs nothing.
+// alive_o rises with a good frame for us (broadcast included) and falls TIMEOUT_MS after the last one, up to
+// 1 ms earlier (a millisecond is rounded up to whole clocks).  With TIMEOUT_MS = 0 it stays high from the first frame on and the timer costs nothing.
 
 `default_nettype none
 
 module modbus_alive #(
-  parameter CLK_HZ     = 50000000,
-  parameter TIMEOUT_MS = 0            // milliseconds, 0..16777215
+  parameter integer CLK_HZ     = 50000000,
+  parameter integer TIMEOUT_MS = 0            // milliseconds, 0..16777215
 ) (
   input  wire clk_i,
   input  wire rst_i,
@@ -39,7 +39,7 @@ module modbus_alive #(
     if (TIMEOUT_MS == 0) begin : gen_for_ever
       assign expired = 1'b0;
     end else begin : gen_timer
-      localparam MS_CLOCKS = CLK_HZ / 1000;
+      localparam MS_CLOCKS = (CLK_HZ + 999) / 1000;
       localparam CW = $clog2(MS_CLOCKS + 1), MW = $clog2(TIMEOUT_MS + 1);
       reg [CW-1:0] clocks_q = {CW{1'b0}};
       reg [MW-1:0] left_q = {MW{1'b0}};

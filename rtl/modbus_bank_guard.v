@@ -12,12 +12,12 @@
 `include "modbus_defs.vh"
 
 module modbus_bank_guard #(
-  parameter COIL_BASE = 0,      parameter COIL_COUNT = 64,       // count 0..65536; 0: no such table
-  parameter DISCRETE_BASE = 0,  parameter DISCRETE_COUNT = 64,
-  parameter INPUT_BASE = 0,     parameter INPUT_COUNT = 64,
-  parameter HOLDING_BASE = 0,   parameter HOLDING_COUNT = 64,
-  parameter READ_ONLY_BASE = 0, parameter READ_ONLY_COUNT = 0,   // holding registers not to be written
-  parameter OVERLAY = 0
+  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 64,       // count 0..65536; 0: no such table
+  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 64,
+  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
+  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
+  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,   // holding registers not to be written
+  parameter integer OVERLAY = 0
 ) (
   input  wire        clk_i,
   input  wire        rst_i,

@@ -12,15 +12,15 @@
 `include "modbus_defs.vh"
 
 module modbus_bank_io #(
-  parameter COIL_BASE = 0,      parameter COIL_COUNT = 16,       // count 0..65536; 0: no such table
-  parameter DISCRETE_BASE = 0,  parameter DISCRETE_COUNT = 16,
-  parameter INPUT_BASE = 0,     parameter INPUT_COUNT = 8,
-  parameter HOLDING_BASE = 0,   parameter HOLDING_COUNT = 8,
-  parameter READ_ONLY_BASE = 0, parameter READ_ONLY_COUNT = 0,
-  parameter COIL_WIDTH     = (COIL_COUNT > 0)     ? COIL_COUNT : 1,        // derived, leave alone
-  parameter DISCRETE_WIDTH = (DISCRETE_COUNT > 0) ? DISCRETE_COUNT : 1,
-  parameter INPUT_WIDTH    = (INPUT_COUNT > 0)    ? 16 * INPUT_COUNT : 16,
-  parameter HOLDING_WIDTH  = (HOLDING_COUNT > 0)  ? 16 * HOLDING_COUNT : 16
+  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 16,       // count 0..65536; 0: no such table
+  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 16,
+  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 8,
+  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 8,
+  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
+  parameter integer COIL_WIDTH     = (COIL_COUNT > 0)     ? COIL_COUNT : 1,        // derived, leave alone
+  parameter integer DISCRETE_WIDTH = (DISCRETE_COUNT > 0) ? DISCRETE_COUNT : 1,
+  parameter integer INPUT_WIDTH    = (INPUT_COUNT > 0)    ? 16 * INPUT_COUNT : 16,
+  parameter integer HOLDING_WIDTH  = (HOLDING_COUNT > 0)  ? 16 * HOLDING_COUNT : 16
 ) (
   input  wire        clk_i,
   input  wire        rst_i,

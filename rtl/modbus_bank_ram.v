@@ -5,7 +5,7 @@
 //
 // One memory for bits, one for registers, one port each: the two sides take turns.  Whoever has the memory keeps it
 // while its cyc is high, so a burst of the line is one snapshot for the host and the other way round.
-// A core burst of 125 registers takes 250 clocks; that is the longest the host waits.  The host may hold
+// A burst takes two clocks an item; the longest, 2000 coils, makes the host wait 4001 clocks.  The host may hold
 // host_cyc_i over several accesses to read or write a block in one piece; meanwhile the core waits, up to its stall limit.
 //
 // Host side: Wishbone B4 classic, address {space, item} as on the line; ack two clocks after stb when free, err for an
@@ -19,12 +19,12 @@
 `include "modbus_defs.vh"
 
 module modbus_bank_ram #(
-  parameter COIL_BASE = 0,      parameter COIL_COUNT = 64,       // count 0..65536; 0: no such table
-  parameter DISCRETE_BASE = 0,  parameter DISCRETE_COUNT = 64,
-  parameter INPUT_BASE = 0,     parameter INPUT_COUNT = 64,
-  parameter HOLDING_BASE = 0,   parameter HOLDING_COUNT = 64,
-  parameter READ_ONLY_BASE = 0, parameter READ_ONLY_COUNT = 0,
-  parameter OVERLAY = 0
+  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 64,       // count 0..65536; 0: no such table
+  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 64,
+  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
+  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
+  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
+  parameter integer OVERLAY = 0
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
@@ -71,6 +71,8 @@ module modbus_bank_ram #(
   );
 
   wire        stb  = host_q ? host_cyc_i & host_stb_i : wb_stb_i & wb_cyc_i;
+  // The core shows the address of a beat a clock before its strobe wherever cyc is already high; a master that
+  // did not would read the item before.
   wire        show = host_q ? host_cyc_i & host_stb_i : wb_cyc_i;
   wire        we   = host_q ? host_we_i  : wb_we_i;
   wire [2:0]  space = host_q ? host_adr_i[18:16] : wb_adr_i[18:16];

@@ -10,16 +10,16 @@
 //
 // The bus is Wishbone B4, classic cycles, 16 bits of data, address {space, item}.  A bit uses data bit 0; the other
 // data bits of a bit write mean nothing.  wb_err_i ends the burst with the bank's exception code (0 stands
-// for 04).  A grant question or a beat unanswered when stall_i rises ends with 06 or 04.
+// for 04).  A grant question or a beat unanswered when stall_i rises is withdrawn and ends with 06 or 04.
 
 `default_nettype none
 `include "modbus_defs.vh"
 `include "modbus_steps.vh"
 
 module modbus_data_access #(
-  parameter HAS_BITS  = 1,           // coils or discrete inputs are reachable
-  parameter HAS_WORDS = 1,           // registers are reachable
-  parameter HAS_MASK  = 1            // the XOR and AND loads are used
+  parameter integer HAS_BITS  = 1,           // coils or discrete inputs are reachable
+  parameter integer HAS_WORDS = 1,           // registers are reachable
+  parameter integer HAS_MASK  = 1            // the XOR and AND loads are used
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
@@ -170,7 +170,7 @@ module modbus_data_access #(
   assign over_o      = over_q;
   assign done_o      = granted | burst_done;
   assign fail_o      = refused | lost;
-  assign fail_code_o = (grant_ack_i || wb_err_i) ? (exception_i | {1'b0, exception_i == 4'd0, 2'b00})
+  assign fail_code_o = (grant_i ? grant_ack_i : wb_err_i) ? (exception_i | {1'b0, exception_i == 4'd0, 2'b00})
                      : grant_i ? `MB_EX_DEVICE_BUSY : `MB_EX_DEVICE_FAILURE;
   assign held_o      = held_q;
   assign first_o     = first_q;

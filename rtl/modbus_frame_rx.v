@@ -85,7 +85,7 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) begin
     state_q <= state_d;
-    store_q <= reception & char_stb_i & ~full & ~spoiled & ~rst_i;
+    store_q <= reception & char_stb_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
     if (open_stb_o) begin
       parity_q  <= 1'b0;

@@ -5,7 +5,7 @@
 //
 // After start_i: the response delay, the driver lead, count bytes from the cursor on, two check characters,
 // the driver tail, done_stb_o.  All three waits are in bit times and may be 0.  de_o rises with the first clock of
-// the lead (or one clock before the start bit without a lead) and falls a clock after the last stop bit and tail.
+// the lead (or two clocks before the start bit without a lead) and falls a clock after the last stop bit and tail.
 
 `default_nettype none
 

@@ -13,8 +13,8 @@
 `include "modbus_defs.vh"
 
 module modbus_line_timer #(
-  parameter T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
-  parameter T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
+  parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
+  parameter integer T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
 ) (
   input  wire       clk_i,
   input  wire       rst_i,
@@ -67,7 +67,7 @@ module modbus_line_timer #(
       reg [W-1:0] clocks_q = {W{1'b0}};
       reg         rest_q = 1'b0, t15_q = 1'b0, t35_q = 1'b0;
       always @(posedge clk_i) begin
-        rest_q <= (rest_q | (quarters_q == (two_stops ? REST_2 : REST_1))) & ~rst_i & ~busy_i;
+        rest_q <= (rest_q | t35_chars_q | (quarters_q == (two_stops ? REST_2 : REST_1))) & ~rst_i & ~busy_i;
         if (clocks_q == T15_CLOCKS[W-1:0]) t15_q <= 1'b1;
         if (clocks_q == T35_CLOCKS[W-1:0]) t35_q <= 1'b1;
         clocks_q <= clocks_q + 1'b1;

@@ -14,13 +14,13 @@
 `include "modbus_steps.vh"
 
 module modbus_program #(
-  parameter FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
-  parameter MAX_READ_BITS       = 2000,          // 1..2000
-  parameter MAX_WRITE_BITS      = 1968,          // 1..1968
-  parameter MAX_READ_REGISTERS  = 125,           // 1..125
-  parameter MAX_WRITE_REGISTERS = 123,           // 1..123
-  parameter RW_MAX_READ         = 125,           // 1..125, function code 17H
-  parameter RW_MAX_WRITE        = 121            // 1..121, function code 17H
+  parameter [31:0]  FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
+  parameter integer MAX_READ_BITS       = 2000,          // 1..2000
+  parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
+  parameter integer MAX_READ_REGISTERS  = 125,           // 1..125
+  parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
+  parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
+  parameter integer RW_MAX_WRITE        = 121            // 1..121, function code 17H
 ) (
   input  wire        clk_i,
   input  wire [7:0]  at_i,        // address of a step

@@ -13,17 +13,17 @@
 `include "modbus_defs.vh"
 
 module modbus_rtu_core #(
-  parameter CLK_HZ              = 50000000,      // clk_i in hertz
-  parameter T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
-  parameter T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
-  parameter FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
-  parameter MAX_READ_BITS       = 2000,          // 1..2000
-  parameter MAX_WRITE_BITS      = 1968,          // 1..1968
-  parameter MAX_READ_REGISTERS  = 125,           // 1..125
-  parameter MAX_WRITE_REGISTERS = 123,           // 1..123
-  parameter RW_MAX_READ         = 125,           // 1..125, function code 17H
-  parameter RW_MAX_WRITE        = 121,           // 1..121, function code 17H
-  parameter ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
+  parameter integer CLK_HZ              = 50000000,      // clk_i in hertz
+  parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
+  parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
+  parameter [31:0]  FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
+  parameter integer MAX_READ_BITS       = 2000,          // 1..2000
+  parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
+  parameter integer MAX_READ_REGISTERS  = 125,           // 1..125
+  parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
+  parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
+  parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter integer ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
 ) (
   input  wire        clk_i,
   input  wire        rst_i,                      // synchronous, active high
@@ -47,7 +47,7 @@ module modbus_rtu_core #(
   input  wire        busy_i,                     // 1: exception 06 where nothing else is wrong
 
   // Bank: grant
-  output wire        grant_req_o,                // level until grant_ack_i
+  output wire        grant_req_o,                // level until grant_ack_i or the stall limit; then forget the question
   output wire [2:0]  grant_space_o,
   output wire [15:0] grant_first_o,
   output wire [15:0] grant_last_o,
@@ -91,13 +91,14 @@ module modbus_rtu_core #(
     end
   endgenerate
 
-  // Microseconds to clocks, rounded up without passing 32 bits
-  localparam T15_CLOCKS = (CLK_HZ / 1000) * T15_MIN_US / 1000 + ((CLK_HZ % 1000) * T15_MIN_US + 999999) / 1000000;
-  localparam T35_CLOCKS = (CLK_HZ / 1000) * T35_MIN_US / 1000 + ((CLK_HZ % 1000) * T35_MIN_US + 999999) / 1000000;
+  // Microseconds to clocks, rounded up to the next kilohertz and clock; no term passes 32 bits.
+  localparam integer KHZ = (CLK_HZ % 1000000 + 999) / 1000;
+  localparam integer T15_CLOCKS = (CLK_HZ / 1000000) * T15_MIN_US + (KHZ * T15_MIN_US + 999) / 1000;
+  localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
 
-  localparam HAS_BITS  = ((FUNCTION_CODES & 32'h00008026) != 0);     // 01 02 05 0F
-  localparam HAS_WORDS = ((FUNCTION_CODES & 32'h00C10058) != 0);     // 03 04 06 10 16 17
-  localparam HAS_MASK  = ((FUNCTION_CODES & 32'h00400000) != 0);     // 16
+  localparam integer HAS_BITS = ((FUNCTION_CODES & 32'h00008026) != 0) ? 1 : 0;     // 01 02 05 0F
+  localparam integer HAS_WORDS = ((FUNCTION_CODES & 32'h00C10058) != 0) ? 1 : 0;     // 03 04 06 10 16 17
+  localparam integer HAS_MASK = ((FUNCTION_CODES & 32'h00400000) != 0) ? 1 : 0;     // 16
 
   // Bit clock
   wire       quarter_stb, bit_stb, rx_restart, tx_restart, send_stb;
@@ -161,7 +162,7 @@ module modbus_rtu_core #(
   wire tx_bit_stb, tx_bit, tx_feed, check_bit;
 
   modbus_crc16 u_crc16 (
-    .clk_i(clk_i), .clear_i(open_stb | send_stb), .shift_i(rx_bit_stb | tx_bit_stb),
+    .clk_i(clk_i), .clear_i(open_stb | tx_restart), .shift_i(rx_bit_stb | tx_bit_stb),
     .feed_i(drive ? tx_feed : 1'b1), .data_i(drive ? tx_bit : rx_bit), .bit_o(check_bit), .zero_o(crc_zero)
   );
 

@@ -9,28 +9,28 @@
 `default_nettype none
 
 module modbus_rtu_slave #(
-  parameter CLK_HZ              = 50000000,      // clk_i in hertz
-  parameter T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
-  parameter T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
-  parameter FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
-  parameter MAX_READ_BITS       = 2000,          // 1..2000
-  parameter MAX_WRITE_BITS      = 1968,          // 1..1968
-  parameter MAX_READ_REGISTERS  = 125,           // 1..125
-  parameter MAX_WRITE_REGISTERS = 123,           // 1..123
-  parameter RW_MAX_READ         = 125,           // 1..125, function code 17H
-  parameter RW_MAX_WRITE        = 121,           // 1..121, function code 17H
-  parameter COIL_BASE           = 0,             // first address of each table
-  parameter COIL_COUNT          = 64,            // its size, 0..65536; 0: no such table
-  parameter DISCRETE_BASE       = 0,
-  parameter DISCRETE_COUNT      = 64,
-  parameter INPUT_BASE          = 0,
-  parameter INPUT_COUNT         = 64,
-  parameter HOLDING_BASE        = 0,
-  parameter HOLDING_COUNT       = 64,
-  parameter READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
-  parameter READ_ONLY_COUNT     = 0,
-  parameter OVERLAY             = 0,             // 1: one block of HOLDING_COUNT registers, also as bits
-  parameter ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
+  parameter integer CLK_HZ              = 50000000,      // clk_i in hertz
+  parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
+  parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
+  parameter [31:0]  FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
+  parameter integer MAX_READ_BITS       = 2000,          // 1..2000
+  parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
+  parameter integer MAX_READ_REGISTERS  = 125,           // 1..125
+  parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
+  parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
+  parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter integer COIL_BASE           = 0,             // first address of each table
+  parameter integer COIL_COUNT          = 64,            // its size, 0..65536; 0: no such table
+  parameter integer DISCRETE_BASE       = 0,
+  parameter integer DISCRETE_COUNT      = 64,
+  parameter integer INPUT_BASE          = 0,
+  parameter integer INPUT_COUNT         = 64,
+  parameter integer HOLDING_BASE        = 0,
+  parameter integer HOLDING_COUNT       = 64,
+  parameter integer READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
+  parameter integer READ_ONLY_COUNT     = 0,
+  parameter integer OVERLAY             = 0,             // 1: one block of HOLDING_COUNT registers, also as bits
+  parameter integer ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
 ) (
   input  wire        clk_i,
   input  wire        rst_i,                      // synchronous, active high

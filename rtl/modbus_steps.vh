@@ -16,7 +16,8 @@
 `define MB_STEP_ADDRESS    4'd3   // first address of a range; WRITTEN flag: tell the host that range is written
 `define MB_STEP_QUANTITY   4'd4   // argument[10:0]: highest quantity; outside 1..highest is exception 03
 `define MB_STEP_COIL       4'd5   // must be 0000H or FF00H, else exception 03
-`define MB_STEP_BYTE_COUNT 4'd6   // must fit the quantity and the bytes left, else exception 03; SPACE
+`define MB_STEP_BYTE_COUNT 4'd6   // must fit the quantity and the bytes left, else exception 03; SPACE.  Ends behind
+                                   // the first data byte, where count is the byte count less one
 `define MB_STEP_END        4'd7   // exception 03 unless the request ends here
 
 // The bank; SPACE in argument[10:8]
