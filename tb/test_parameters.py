@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Illegal parameters stop elaboration; docs/parameters.md says what the RTL has."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+from mbrtu.build import function_mask
+from mbrtu.defs import FC
+from mbrtu.runner import ROOT, RTL, sources
+
+SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
+TOPS = (SLAVE, IO, CORE)
+DOCUMENT = ROOT / "docs" / "parameters.md"
+
+# ------------------------------------------------------------------ illegal parameters
+
+LEGAL = [
+    (SLAVE, {}),
+    (IO, {}),
+    (CORE, {}),
+    (SLAVE, {"COIL_COUNT": 65536, "DISCRETE_COUNT": 0, "INPUT_BASE": 65535, "INPUT_COUNT": 1}),
+    (SLAVE, {"T15_MIN_US": 0, "T35_MIN_US": 0, "MAX_READ_BITS": 1, "RW_MAX_WRITE": 1}),
+    (SLAVE, {"READ_ONLY_BASE": 65535, "READ_ONLY_COUNT": 1}),
+    (SLAVE, {"OVERLAY": 1, "HOLDING_COUNT": 1}),
+    (IO, {"COIL_COUNT": 1, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
+    (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS])}),
+]
+ILLEGAL = [
+    (SLAVE, {"COIL_COUNT": 65537}),
+    (SLAVE, {"COIL_COUNT": -1}),
+    (SLAVE, {"COIL_BASE": 65535, "COIL_COUNT": 2}),
+    (SLAVE, {"DISCRETE_BASE": 65500, "DISCRETE_COUNT": 64}),
+    (SLAVE, {"INPUT_BASE": 65536, "INPUT_COUNT": 1}),
+    (IO, {"HOLDING_BASE": 65530, "HOLDING_COUNT": 7}),
+    (SLAVE, {"COIL_COUNT": 0, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
+    (SLAVE, {"READ_ONLY_BASE": 65535, "READ_ONLY_COUNT": 2}),
+    (SLAVE, {"READ_ONLY_COUNT": -1}),
+    (SLAVE, {"OVERLAY": 1, "HOLDING_COUNT": 0}),
+    (SLAVE, {"MAX_READ_BITS": 0}),
+    (SLAVE, {"MAX_READ_BITS": 2001}),
+    (SLAVE, {"MAX_WRITE_BITS": 1969}),
+    (SLAVE, {"MAX_READ_REGISTERS": 126}),
+    (SLAVE, {"MAX_READ_REGISTERS": 0}),
+    (SLAVE, {"MAX_WRITE_REGISTERS": 124}),
+    (CORE, {"RW_MAX_READ": 126}),
+    (CORE, {"RW_MAX_WRITE": 122}),
+    (CORE, {"RW_MAX_WRITE": 0}),
+    (CORE, {"T15_MIN_US": 1751}),
+    (CORE, {"T15_MIN_US": -1}),
+    (CORE, {"CLK_HZ": 0}),
+    (CORE, {"ALIVE_TIMEOUT_MS": -1}),
+    (CORE, {"FUNCTION_CODES": 1 << 7}),
+    (IO, {"FUNCTION_CODES": 1 << 24}),
+]
+
+
+def name(case):
+    """A test's name for (top, parameters)."""
+    top, parameters = case
+    return "-".join([top.removeprefix("modbus_rtu_"), *(f"{k}={v}" for k, v in parameters.items())])
+
+
+def elaborate(tool, top, parameters):
+    """(exit status, messages) of elaborating `top`."""
+    files, folders = sources()
+    if tool == "icarus":
+        command = ["iverilog", "-g2005", "-Wall", "-tnull", "-s", top]
+        command += [f"-I{f}" for f in folders] + [f"-P{top}.{k}={v}" for k, v in parameters.items()]
+    else:
+        command = ["verilator", "--lint-only", "--language", "1364-2005", "-Wno-fatal", "--top-module", top]
+        command += [f"-I{f}" for f in folders] + [f"-G{k}={v}" for k, v in parameters.items()]
+    if not shutil.which(command[0]):
+        pytest.skip(f"{command[0]} is not installed")
+    done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("tool", ["icarus", "verilator"])
+@pytest.mark.parametrize("case", LEGAL, ids=name)
+def test_legal_parameters_elaborate(tool, case):
+    status, messages = elaborate(tool, *case)
+    assert status == 0, messages
+    assert "ERROR_" not in messages
+
+
+@pytest.mark.parametrize("tool", ["icarus", "verilator"])
+@pytest.mark.parametrize("case", ILLEGAL, ids=name)
+def test_illegal_parameters_stop_elaboration(tool, case):
+    """With the rule as the name of a missing module."""
+    status, messages = elaborate(tool, *case)
+    assert status != 0, f"{name(case)} was accepted"
+    assert "ERROR_modbus" in messages, messages
+
+
+# ------------------------------------------------------------------ the document
+
+
+def header(top):
+    """(parameters {name: default text}, ports {name: (direction, width text)}) of a module."""
+    text = (RTL / f"{top}.v").read_text(encoding="utf-8")
+    text = re.sub(r"//.*", "", text)
+    text = text[re.search(rf"\bmodule\s+{top}\b", text).end() :]
+    head = text[: text.index(");")]
+    parameters = dict(
+        re.findall(r"\bparameter\s+(?:integer\s+|\[[^\]]*\]\s*)?(\w+)\s*=\s*([^,\n)]+(?:\([^)]*\)[^,\n)]*)*)", head)
+    )
+    ports = {
+        port: (direction, width or "1")
+        for direction, width, port in re.findall(
+            r"\b(input|output)\s+(?:wire|reg)\s+(?:\[([^\]]+)\]\s*)?(\w+)", head
+        )
+    }
+    return {k: v.strip() for k, v in parameters.items()}, ports
+
+
+def rows():
+    """(columns, cells) of every table row of the document whose first cell is a `name`."""
+    columns, out = [], []
+    for line in DOCUMENT.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("|"):
+            columns = []
+            continue
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if not columns:
+            columns = cells
+        elif re.fullmatch(r"`\w+`", cells[0]):
+            out.append((columns, [cells[0].strip("`"), *cells[1:]]))
+    return out
+
+
+def documented(kind):
+    """{name: {column: cell}} of the parameter or port tables."""
+    first = {"parameter": "Name", "port": "Port"}[kind]
+    return {cells[0]: dict(zip(columns, cells)) for columns, cells in rows() if columns[0] == first}
+
+
+DERIVED = re.compile(r"\w+_WIDTH")  # named in the text only: nobody sets them
+
+
+def test_every_parameter_is_documented():
+    wanted = {p for top in TOPS for p in header(top)[0] if not DERIVED.fullmatch(p)}
+    assert wanted, "no parameter found in the RTL"
+    assert set(documented("parameter")) == wanted
+
+
+def test_every_port_is_documented():
+    wanted = {p for top in TOPS for p in header(top)[1]}
+    assert wanted, "no port found in the RTL"
+    assert set(documented("port")) == wanted
+
+
+def number(text):
+    """Value of a Verilog or plain number."""
+    text = text.strip().strip("`").replace("_", "").replace(" ", "")
+    based = re.fullmatch(r"\d*'[hH]([0-9a-fA-F]+)", text)
+    return int(based[1], 16) if based else int(text, 0)
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_defaults_are_as_documented(top):
+    """A cell `a / b` holds the defaults of the RAM and of the I/O drop-in."""
+    table = documented("parameter")
+    for parameter, default in header(top)[0].items():
+        if DERIVED.fullmatch(parameter):
+            continue
+        row = table[parameter]
+        said = next(cell for column, cell in row.items() if column.startswith("Default")).split("/")
+        text = said[-1] if top == IO else said[0]
+        assert number(text) == number(default), f"{parameter}: document {text}, RTL {default}"
+
+
+@pytest.mark.parametrize("top", TOPS)
+def test_directions_and_widths_are_as_documented(top):
+    table = documented("port")
+    for port, (direction, width) in header(top)[1].items():
+        row = table[port]
+        assert row["Direction"] == direction.removesuffix("put"), f"{port} is an {direction}"
+        bits = re.fullmatch(r"(\d+):0", width)
+        if bits and row["Width"].isdigit():
+            assert int(row["Width"]) == int(bits[1]) + 1, f"{port} is [{width}], document {row['Width']}"
+        if width == "1":
+            assert row["Width"] == "1", f"{port}: document {row['Width']}"
