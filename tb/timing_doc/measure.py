@@ -556,7 +556,7 @@ def bus(lab):
     return {
         "bus": table(
             ["request", "grant asked to given", "given to `wb_cyc_o`", "beats", "`wb_cyc_o` high",
-             "`write_stb_o` at its"], rows,
+             "`write_stb_o`, from `wb_cyc_o`'s"], rows,
         )
     }  # fmt: skip
 
