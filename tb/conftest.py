@@ -11,9 +11,7 @@ import pytest
 TB = Path(__file__).resolve().parent
 sys.path.insert(0, str(TB))
 # cocotb starts the simulator with this path, so that it finds mbrtu and the test modules.
-os.environ["PYTHONPATH"] = os.pathsep.join(
-    [str(TB), *filter(None, [os.environ.get("PYTHONPATH")])]
-)
+os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 SEED = int(os.environ.get("SEED", "1"), 0)
 FULL = os.environ.get("FULL") == "1"
@@ -32,6 +30,12 @@ def seed():
 def _property(report, name):
     """What a test recorded as `name`, or an empty list."""
     return dict(getattr(report, "user_properties", [])).get(name, [])
+
+
+def _simulations(reporter):
+    """(CPU seconds, test) of every simulation, the longest first."""
+    reports = [r for outcome in ("passed", "failed") for r in reporter.stats.get(outcome, [])]
+    return sorted(((_property(r, "cpu"), r.nodeid) for r in reports if _property(r, "cpu")), reverse=True)
 
 
 def _counts(reporter):
@@ -61,6 +65,9 @@ def pytest_unconfigure(config):
     for report in (r for outcome in ("passed", "failed") for r in reporter.stats.get(outcome, [])):
         for line in _property(report, "figures"):
             reporter.write_line(f"measured {line}")
+    if os.environ.get("TIMES") == "1":
+        for seconds, name in _simulations(reporter):
+            reporter.write_line(f"{seconds:7.1f} s of CPU time {name}")
     passed, failed, skipped = _counts(reporter)
     for report in reporter.stats.get("skipped", []):
         reporter.write_line(f"skipped {report.nodeid}: {report.longrepr[2]}")

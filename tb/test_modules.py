@@ -15,6 +15,7 @@ TABLES = table_parameters(
         Space.HOLDINGS: (1000, 300),
     }
 )
+OVERLAID = {"OVERLAY": 1, "HOLDING_COUNT": 12, "READ_ONLY_BASE": 5, "READ_ONLY_COUNT": 2}
 SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
 
 # name: (top, parameters, cocotb module)
@@ -37,7 +38,7 @@ MODULES = {
         {**table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536))), "READ_ONLY_COUNT": 65536},
         "bank_guard",
     ),
-    "bank_guard_overlay": ("modbus_bank_guard", {"OVERLAY": 1, "HOLDING_COUNT": 12}, "bank_guard"),
+    "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank_guard"),
     "bank_ram": ("modbus_bank_ram", TABLES, "bank_bus"),
     "bank_io": ("modbus_bank_io", {}, "bank_bus"),
 }

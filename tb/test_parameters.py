@@ -109,9 +109,7 @@ def header(top):
     )
     ports = {
         port: (direction, width or "1")
-        for direction, width, port in re.findall(
-            r"\b(input|output)\s+(?:wire|reg)\s+(?:\[([^\]]+)\]\s*)?(\w+)", head
-        )
+        for direction, width, port in re.findall(r"\b(input|output)\s+(?:wire|reg)\s+(?:\[([^\]]+)\]\s*)?(\w+)", head)
     }
     return {k: v.strip() for k, v in parameters.items()}, ports
 

@@ -164,9 +164,7 @@ class Device:
 
     def host(self, space, item, write=None):
         """Host port access; the value, or None for err."""
-        value = self._lib.device_host(
-            self._handle, bus_address(space, item), int(write is not None), write or 0
-        )
+        value = self._lib.device_host(self._handle, bus_address(space, item), int(write is not None), write or 0)
         assert value != -2, "the host port does not answer"
         return None if value < 0 else value
 
@@ -188,8 +186,7 @@ class Device:
         if out.answer_bytes < 0:
             raise LineError(LINE_FAULTS[out.answer_bytes])
         writes = [
-            (Space(out.writes[i] >> 16), out.writes[i] & 0xFFFF, out.write_last[i])
-            for i in range(out.write_count)
+            (Space(out.writes[i] >> 16), out.writes[i] & 0xFFFF, out.write_last[i]) for i in range(out.write_count)
         ]
         return Outcome(
             bytes(out.answer[: out.answer_bytes]) if out.answer_bytes else None,

@@ -10,13 +10,14 @@ import random
 from collections import Counter
 
 import pytest
-from differential.device import Device, LineError, library
 from mbrtu import build
 from mbrtu.build import NO_FLOORS, model_config, table_parameters
 from mbrtu.defs import F8E1, F8N1, F8N2, F8O1, Space
 from mbrtu.frames import text
 from mbrtu.model import Slave, characters
 from mbrtu.traffic import Traffic
+
+from differential.device import Device, LineError, library
 
 MAPS = {
     "mapped": {
@@ -33,7 +34,7 @@ MAPS = {
         "READ_ONLY_COUNT": 20,
     },
     "whole": {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))},
-    "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140},
+    "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
 }
 SHARE = {"mapped": 0.6, "whole": 0.2, "overlaid": 0.2}
 REQUESTS, FULL_REQUESTS = 20_000, 1_000_000
@@ -120,9 +121,7 @@ class Match:
         must, may = self.slave.errors, self.slave.allowed
         assert must <= rose <= must | may, f"{shown}: expected {must} (allowed {may}), seen {rose}"
         assert seen.good == self.slave.good, f"{shown}: frame_stb_o rose {seen.good} times"
-        assert seen.writes == self.slave.written, (
-            f"{shown}: expected writes {self.slave.written}, seen {seen.writes}"
-        )
+        assert seen.writes == self.slave.written, f"{shown}: expected writes {self.slave.written}, seen {seen.writes}"
         if expected:
             # a slow sender's stop bit ends later than the receiver thinks
             early = self.t35 + self.inputs["response_delay"] * self.bit_time - 0.5 * self.bit_time

@@ -6,11 +6,12 @@ A 50 MHz clock at 115200 baud unless a test says otherwise; t1.5 and t3.5 with t
 """
 
 import pytest
-from differential.device import Device, library
 from mbrtu import frames
 from mbrtu.build import DEFAULT_CLK_HZ, NO_FLOORS, REFERENCE, model_config, silences
 from mbrtu.defs import F8E1, FC, FORMATS, T35_CHARACTERS
 from mbrtu.model import Slave
+
+from differential.device import Device, library
 
 OWN = 17
 BAUD = 115200

@@ -14,12 +14,13 @@ import time
 import minimalmodbus
 import pytest
 import serial
-from live.serve import Port, Serve, refuse, request
 from mbrtu import frames
 from mbrtu.build import silences
 from mbrtu.defs import FC, FORMAT_BY_NAME, Space
 from mbrtu.model import Config, Slave
 from pymodbus.client import ModbusSerialClient
+
+from live.serve import Port, Serve, refuse, request
 
 ADDRESS = 17
 CHARACTER_BITS = 11
@@ -72,9 +73,7 @@ def play_every_function(client, address=ADDRESS):
     assert client.read_holding_registers(600, count=4, **at).registers == WORDS
     assert not client.write_register(601, 77, **at).isError()
     assert not client.mask_write_register(address=600, and_mask=0xFF00, or_mask=0x0056, **at).isError()
-    seen = client.readwrite_registers(
-        read_address=600, read_count=4, write_address=602, values=[5, 6], **at
-    )
+    seen = client.readwrite_registers(read_address=600, read_count=4, write_address=602, values=[5, 6], **at)
     assert seen.registers == [0x1256, 77, 5, 6]
     assert len(client.read_discrete_inputs(0, count=2000, **at).bits) >= 2000
     assert len(client.read_input_registers(0, count=125, **at).registers) == 125

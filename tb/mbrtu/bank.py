@@ -91,8 +91,7 @@ class Bank:
             # ---- the question
             if int(dut.grant_req_o.value):
                 question = tuple(
-                    int(getattr(dut, f"grant_{name}_o").value)
-                    for name in ("space", "first", "last", "write")
+                    int(getattr(dut, f"grant_{name}_o").value) for name in ("space", "first", "last", "write")
                 )
                 if asked is None:
                     asked, held = _waits(self.manner.grant_wait), question
@@ -147,8 +146,7 @@ class Bank:
         space, item = Space(address >> SPACE_SHIFT), address % ADDRESSES
         wide = space not in BIT_SPACES
         if not any(
-            s == space and first <= item <= last and may_write >= write
-            for s, first, last, may_write in self._granted
+            s == space and first <= item <= last and may_write >= write for s, first, last, may_write in self._granted
         ):
             self._fault(f"{'write' if write else 'read'} of {space.name} {item} was not granted")
         data = int(dut.wb_dat_o.value) if write else self.memory.get((space, item), 0)

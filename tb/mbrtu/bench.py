@@ -15,7 +15,7 @@ from cocotb.triggers import ReadOnly, RisingEdge, Timer, with_timeout
 from . import build, frames
 from .defs import ERRORS, F8E1, FORMAT_BY_NAME, Space, bus_address
 from .frames import text
-from .line import Line, now
+from .line import Line
 from .model import Slave, characters, split
 
 CLOCK_PS = 20_000
@@ -194,9 +194,7 @@ class Bench:
         assert data == expected, f"{shown}: expected {text(expected)}, seen {text(data)}"
         self._compare_strobes(shown, must, may, good)
         if hasattr(self.dut, "write_stb_o"):
-            assert self.writes == written, (
-                f"{shown}: expected write pulses {written}, seen {self.writes}"
-            )
+            assert self.writes == written, f"{shown}: expected write pulses {written}, seen {self.writes}"
         if got and timing:
             self._check_timing(got, shown)
         return data

@@ -126,9 +126,7 @@ def read_write(read_address, read_quantity, write_address, words, quantity=None,
     """FC 17."""
     quantity = len(words) if quantity is None else quantity
     byte_count = (2 * len(words)) & 0xFF if byte_count is None else byte_count
-    head = struct.pack(
-        ">BHHHHB", FC.READ_WRITE, read_address, read_quantity, write_address, quantity, byte_count
-    )
+    head = struct.pack(">BHHHHB", FC.READ_WRITE, read_address, read_quantity, write_address, quantity, byte_count)
     return head + pack_words(words)
 
 

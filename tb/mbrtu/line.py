@@ -138,9 +138,7 @@ class Line:
         try:
             got = wave.decode(edges, self.fmt, self.bit_ps)
             if not rise <= got.start or not got.end <= fall:
-                raise LineError(
-                    f"de high {rise}..{fall} ps does not cover the answer {got.start}..{got.end}"
-                )
+                raise LineError(f"de high {rise}..{fall} ps does not cover the answer {got.start}..{got.end}")
             answer = Answer(got.data, got.start, got.end, rise, fall)
         except LineError as error:
             answer = error

@@ -38,7 +38,6 @@ from .defs import (
 Character = namedtuple("Character", "byte gap error", defaults=(0.0, None))
 
 
-
 def split(line, t35):
     """`line` cut at every silence of `t35` characters or more: what `Slave.request` takes."""
     pieces = [[]]
@@ -248,11 +247,17 @@ class Slave:
         last = address + quantity - 1
         if last >= ADDRESSES or address < base or last >= base + count:
             raise Refused(EX.ADDRESS)
-        if write:
-            ro_base, ro_count = self.config.read_only
-            touches = address < ro_base + ro_count and last >= ro_base
-            if self.write_lock or (space == Space.HOLDINGS and touches):
-                raise Refused(EX.ADDRESS)
+        if write and (self.write_lock or self._read_only(space, address, last)):
+            raise Refused(EX.ADDRESS)
+
+    def _read_only(self, space, first, last):
+        """True if the range touches a read-only holding register, in an overlay also by its bits."""
+        if self.config.overlay and space in BIT_SPACES:
+            first, last = first // REGISTER_BITS, last // REGISTER_BITS
+        elif space != Space.HOLDINGS:
+            return False
+        base, count = self.config.read_only
+        return first < base + count and last >= base
 
     def _execute(self, *ranges):
         """Every range granted before anything happens; ranges are (space, address, quantity, write)."""
@@ -289,9 +294,7 @@ class Slave:
         address, quantity = self._fields(pdu, 2)
         self._quantity(quantity, self.config.limits.read_registers)
         self._execute((space, address, quantity, False))
-        return bytes([pdu[0], 2 * quantity]) + frames.pack_words(
-            self._load(space, address, quantity)
-        )
+        return bytes([pdu[0], 2 * quantity]) + frames.pack_words(self._load(space, address, quantity))
 
     def _write_coil(self, pdu):
         address, value = self._fields(pdu, 2)

@@ -11,6 +11,7 @@ import fcntl
 import hashlib
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -140,6 +141,7 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
     place.mkdir(exist_ok=True)
     log, xml = place / "test.log", place / "results.xml"
     xml.unlink(missing_ok=True)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
         runner.test(
             hdl_toplevel=top,
@@ -155,6 +157,8 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
         )
     except SystemExit:
         pass  # the runner's way to say that a test failed; the results say which
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    record_property("cpu", after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
     assert xml.exists(), f"the simulation ended without results; see {log}"
     found = results(xml)
     record_property("cocotb", [(f"{sim} {test}", ok) for test, ok in found])

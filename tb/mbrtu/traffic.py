@@ -63,8 +63,7 @@ class Traffic:
         gap = {"gap": rng.uniform(t15 + 0.2, t35 - 0.2), "short gap": rng.uniform(0, t15 - 0.2)}
         error = how if how in ("parity", "framing") else None
         return [
-            (byte, gap.get(how, 0) if i == place else 0, error if i == place else None)
-            for i, byte in enumerate(frame)
+            (byte, gap.get(how, 0) if i == place else 0, error if i == place else None) for i, byte in enumerate(frame)
         ]
 
     def place(self, space):

@@ -4,6 +4,7 @@
 
 import cocotb
 from mbrtu.bench import PARAMETERS
+
 from modules.common import clocks, settle, start, strobe
 
 MS = PARAMETERS["CLK_HZ"] // 1000
@@ -27,10 +28,10 @@ async def falls_when_its_time_is_over(dut):
             await clocks(dut, 50 * MS)
             assert await alive(dut) == 1
             continue
-        for clock in range(1, (TIMEOUT + 2) * MS):
+        clock = 0
+        while clock < (TIMEOUT + 2) * MS and await alive(dut):
             await clocks(dut)
-            if not await alive(dut):
-                break
+            clock += 1
         assert (TIMEOUT - 1) * MS - 2 <= clock <= TIMEOUT * MS + 2, f"fell after {clock} clocks of {TIMEOUT * MS}"
 
 

@@ -6,6 +6,7 @@ import cocotb
 from mbrtu.bench import PARAMETERS, TOP
 from mbrtu.build import DEFAULT_COUNTS, model_config
 from mbrtu.defs import BIT_SPACES, Space, bus_address
+
 from modules.bank_guard import expected
 from modules.common import clocks, settle, start
 
@@ -58,8 +59,8 @@ class Bank:
                 raise AssertionError(f"no ack for item {first + place}")
             out.append(int(dut.wb_dat_o.value))
             await clocks(dut)
-            if self.rng.random() < 0.2:  # the core may pause between two beats
-                dut.wb_stb_i.value = 0
+            if self.rng.random() < 0.2:  # the core may pause between two beats, the next address on show
+                dut.wb_stb_i.value, dut.wb_adr_i.value = 0, bus_address(space, first + place + 1)
                 await clocks(dut, self.rng.randrange(1, 4))
         dut.wb_cyc_i.value = dut.wb_stb_i.value = 0
         await clocks(dut)

@@ -7,6 +7,7 @@ from mbrtu.bench import PARAMETERS
 from mbrtu.build import model_config
 from mbrtu.defs import EX, Space
 from mbrtu.model import Refused, Slave
+
 from modules.common import clocks, settle, start
 
 PATIENCE = 20

@@ -4,6 +4,7 @@
 
 import cocotb
 from mbrtu import frames, vectors
+
 from modules.common import clocks, settle, start, strobe
 
 

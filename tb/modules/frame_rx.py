@@ -4,6 +4,7 @@
 
 import cocotb
 from mbrtu.defs import ERRORS
+
 from modules.common import clocks, settle, start, strobe, watch
 
 T15, T35 = 5, 12  # clocks of silence in this bench
@@ -78,7 +79,15 @@ GOOD = {"good_stb"}
 async def length_limits(dut):
     """3 is too short, 4 and 256 are frames, 257 is too long; nothing beyond 256 is stored."""
     rx = await Receiver.start(dut)
-    for length, verdict in ((1, {"short"}), (3, {"short"}), (4, GOOD), (255, GOOD), (256, GOOD), (257, {"long"}), (300, {"long"})):
+    for length, verdict in (
+        (1, {"short"}),
+        (3, {"short"}),
+        (4, GOOD),
+        (255, GOOD),
+        (256, GOOD),
+        (257, {"long"}),
+        (300, {"long"}),
+    ):
         seen = await rx.frame(length)
         assert seen - {"overrun"} == verdict, f"{length} characters: {seen}"
         assert rx.stored <= 256, f"{rx.stored} of {length} characters stored"

@@ -8,6 +8,7 @@ Silence counts from the end of the last stop bit; the receiver falls idle at the
 import cocotb
 from mbrtu.bench import PARAMETERS
 from mbrtu.defs import FORMAT_BY_NAME, T15_CHARACTERS, T35_CHARACTERS
+
 from modules.common import clocks, settle, start
 
 QUARTER = 2  # clocks: 8 clocks a bit

@@ -4,6 +4,7 @@
 
 import cocotb
 from cocotb.triggers import Timer
+
 from modules.common import clocks, settle, start
 
 

@@ -3,6 +3,7 @@
 """modbus_wait: bit times to the bit, N-1, N, N+1."""
 
 import cocotb
+
 from modules.common import clocks, settle, start, strobe
 
 

@@ -7,6 +7,7 @@ from cocotb.triggers import Timer
 from mbrtu import wave
 from mbrtu.defs import FORMAT_BY_NAME
 from mbrtu.line import now, wait_until
+
 from modules.common import CLOCK_PS, clocks, start, watch
 
 VALUES = ("data", "parity_error", "framing_error")

@@ -7,6 +7,7 @@ from cocotb.triggers import Timer
 from mbrtu import frames, wave
 from mbrtu.defs import FORMAT_BY_NAME
 from mbrtu.line import now
+
 from modules.common import CLOCK_PS, clocks, start, strobe
 
 

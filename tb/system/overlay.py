@@ -16,19 +16,22 @@ async def ask(tb, pdu):
     return await tb.both(frames.adu(OWN, pdu))
 
 
+def span(tb, space):
+    """(base, count) of a table."""
+    return tb.slave.config.tables[space]
+
+
 @cocotb.test()
 async def bits_and_registers_are_the_same_memory(dut):
     tb = await Bench.start(dut)
-    register, count = tb.slave.config.tables[Space.HOLDINGS]
-    coil, _ = tb.slave.config.tables[Space.COILS]
-    discrete, _ = tb.slave.config.tables[Space.DISCRETES]
-    inputs, _ = tb.slave.config.tables[Space.INPUTS]
-    words = [tb.rng.getrandbits(16) for _ in range(count)]
-    await ask(tb, frames.write_registers(register, words))
-    await ask(tb, frames.read(FC.READ_INPUTS, inputs, count))
-    for _ in range(20):
-        quantity = tb.rng.randint(1, min(40, count * REGISTER_BITS))
-        place = tb.rng.randint(0, count * REGISTER_BITS - quantity)
+    register, count = span(tb, Space.HOLDINGS)
+    coil, discrete = span(tb, Space.COILS)[0], span(tb, Space.DISCRETES)[0]
+    free = count - tb.slave.config.read_only[1] - 1  # the read-only registers stand near the end
+    await ask(tb, frames.write_registers(register, [tb.rng.getrandbits(16) for _ in range(free)]))
+    await ask(tb, frames.read(FC.READ_INPUTS, span(tb, Space.INPUTS)[0], count))
+    for _ in range(16):
+        quantity = tb.rng.randint(1, 40)
+        place = tb.rng.randint(0, free * REGISTER_BITS - quantity)
         bits = [tb.rng.getrandbits(1) for _ in range(quantity)]
         await ask(tb, frames.write_coils(coil + place, bits))
         await ask(tb, frames.read(FC.READ_COILS, coil + place, quantity))
@@ -36,6 +39,22 @@ async def bits_and_registers_are_the_same_memory(dut):
         await ask(tb, frames.write_coil(coil + place, bool(bits[0] ^ 1)))
         await ask(tb, frames.read(FC.READ_HOLDINGS, register, count))
         await ask(tb, frames.mask_write(register + place // REGISTER_BITS, 0xFFFE, 1))
+    await tb.finish()
+
+
+@cocotb.test()
+async def read_only_registers_keep_their_bits(dut):
+    tb = await Bench.start(dut)
+    base, count = tb.slave.config.read_only
+    await tb.preset((Space.HOLDINGS, base), 0xA5C3)
+    first, end = base * REGISTER_BITS, (base + count) * REGISTER_BITS
+    for place, quantity in ((first - 1, 1), (first, 1), (first - 1, 2), (end - 1, 1), (end - 1, 2), (end, 1)):
+        touched = place < end and place + quantity > first
+        answer = await ask(tb, frames.write_coils(place, [1] * quantity))
+        assert (answer[1] & 0x80 != 0) == touched, f"coils {place}, {quantity}"
+        await ask(tb, frames.write_coil(place, False))
+    await ask(tb, frames.write_register(base, 0xBAD))
+    await ask(tb, frames.read(FC.READ_INPUTS, base, 1))
     await tb.finish()
 
 

@@ -6,9 +6,7 @@ import cocotb
 from mbrtu import bench, build, vectors
 
 LIMITS_BUILT = {
-    field: bench.PARAMETERS[name]
-    for name, field in build.LIMIT_PARAMETERS.items()
-    if name in bench.PARAMETERS
+    field: bench.PARAMETERS[name] for name, field in build.LIMIT_PARAMETERS.items() if name in bench.PARAMETERS
 }
 
 
