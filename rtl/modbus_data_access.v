@@ -37,6 +37,7 @@ module modbus_data_access #(
   input  wire        burst_i,        // level until done or failed: move the range
   input  wire        write_i,        // level : direction of both
   input  wire        keep_i,         // level : hold the bus after this burst
+  input  wire        release_i,      // strobe: the request is over, let go of the bus
   input  wire [2:0]  space_i,
   input  wire [10:0] limit_i,        // level : highest quantity allowed
   input  wire [3:0]  code_i,         // level : exception code for an answer
@@ -141,7 +142,7 @@ module modbus_data_access #(
 
   always @(posedge clk_i) begin
     state_q <= state_d;
-    if (burst_done || lost) keep_q <= keep_i & burst_done;
+    if (burst_done || lost || release_i) keep_q <= keep_i & burst_done;
     if (state_q == ST_REST) ended_q <= 1'b0;
     else if (ack)           ended_q <= (first_q == last_q);
 

@@ -198,7 +198,7 @@ module modbus_rtu_core #(
   modbus_data_access #(.HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK)) u_data_access (
     .clk_i(clk_i), .rst_i(rst_i), .hold_i(do_hold), .address_i(do_address), .quantity_i(do_quantity),
     .single_i(do_single), .range_i(do_range), .load_i(do_load), .load_what_i(what),
-    .load_flag_i(mark), .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep),
+    .load_flag_i(mark), .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep), .release_i(send_stb),
     .space_i(space), .limit_i(limit), .code_i(code), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
     .over_o(over), .done_o(done), .fail_o(fail), .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o),
     .last_o(grant_last_o), .byte_i(frame_byte), .count_i(count), .put_o(move_put), .data_o(move_data),
@@ -277,6 +277,7 @@ module modbus_rtu_core #(
     if (wb_stb_o && wb_we_o)   assert (f_write_granted);
     if (write_stb_o)           assert (f_good && f_write_granted);
     if (de_o)                  assert (!rx_active_o);            // deaf while driving
+    if (de_o)                  assert (!wb_cyc_o);               // the bus is free before the answer
     // A beat is not withdrawn before the bank answers.
     if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall))
       assert (wb_stb_o && $stable(wb_adr_o) && $stable(wb_we_o));
