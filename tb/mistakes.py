@@ -189,7 +189,7 @@ MISTAKES = [
 SELECTION = [
     (
         "functions_mapped",
-        "single_coil|byte_count|length_is_exact|some_unsupp|mask|broadcast|lock|read_only|order|share",
+        "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share",
     ),
     ("functions_mapped", "address_limits|align|read_write|limits.*code=(3|15|16)"),
     (

@@ -12,8 +12,8 @@ from collections import Counter
 import pytest
 from mbrtu import build
 from mbrtu.build import NO_FLOORS, model_config, table_parameters
-from mbrtu.defs import F8E1, F8N1, F8N2, F8O1, Space
-from mbrtu.frames import text
+from mbrtu.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, Space
+from mbrtu.frames import adu, text
 from mbrtu.model import Slave, characters
 from mbrtu.traffic import Traffic
 
@@ -169,4 +169,18 @@ def test_compiled_slave_agrees_with_the_model(name, seed):
     match.compare(whole=True)
     print(dict(match.kinds), dict(match.slave.counts))
     assert match.slave.counts["good"] > count / 2
+    match.device.close()
+
+
+def test_every_unsupported_function_code():
+    """All 246 codes, with any data or none: exception 01; 80H and above come back unchanged."""
+    match = Match(MAPS["mapped"], "codes")
+    match.slave.busy = False
+    own = match.slave.config.address
+    for code in set(range(256)) - set(ALL_FUNCTIONS):
+        for data in (b"", b"\0", b"\0\0\0\1", bytes(9)):
+            frame = adu(own, bytes([code]) + data)
+            assert match.slave.request(frame) == adu(own, bytes([code | EXCEPTION_FLAG, EX.FUNCTION]))
+            seen = match.device.transfer(frame, match.t35 + PROCESSING_CLOCKS, 0.0)
+            match.judge(seen, adu(own, bytes([code | EXCEPTION_FLAG, EX.FUNCTION])), f"code {code:02X}")
     match.device.close()

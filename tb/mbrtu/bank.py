@@ -11,7 +11,7 @@ item once and in ascending order, one cyc for a burst.
 from dataclasses import dataclass, field
 
 import cocotb
-from cocotb.triggers import RisingEdge, Timer
+from cocotb.triggers import First, RisingEdge, Timer
 
 from .defs import ADDRESSES, BIT_SPACES, EX, SPACE_SHIFT, Space
 
@@ -55,7 +55,13 @@ class Bank:
         self._granted, self._good_frames = [], 0
         for port in ("grant_ack_i", "exception_i", "wb_ack_i", "wb_err_i", "wb_dat_i"):
             getattr(self.dut, port).value = 0
+        cocotb.start_soon(self._count_frames())
         cocotb.start_soon(self._run())
+
+    async def _count_frames(self):
+        while True:
+            await RisingEdge(self.dut.frame_stb_o)
+            self._good_frames += 1
 
     def begin(self, **manner):
         """Forget the last request; the next one meets a bank with this manner."""
@@ -85,9 +91,12 @@ class Bank:
         asked = strobed = held = None
         cyc_before = 0
         while True:
-            await RisingEdge(dut.clk_i)
+            if asked is None and not cyc_before and not int(dut.grant_req_o.value):
+                # At rest: nothing to look at each clock.
+                await First(*(RisingEdge(port) for port in (dut.grant_req_o, dut.wb_cyc_o, dut.wb_stb_o)))
+            else:
+                await RisingEdge(dut.clk_i)
             await Timer(SETTLE_PS, "ps")
-            self._good_frames += int(dut.frame_stb_o.value)
             # ---- the question
             if int(dut.grant_req_o.value):
                 question = tuple(

@@ -76,18 +76,18 @@ async def jitter_on_every_edge(dut, bit_time):
 
 
 @cocotb.test()
-@cocotb.parametrize(fmt=["8E1", "8N2", "8N1"])
+@cocotb.parametrize(fmt=["8E1", "8N1"])
 async def silences_on_both_sides_of_19200(dut, fmt):
     """t1.5 and t3.5 grow with the character up to 19200 baud and stand still above."""
     clk_hz = PARAMETERS.get("CLK_HZ", DEFAULT_CLK_HZ)
     tb = await Bench.start(dut, fmt=fmt)
-    for baud in (9600, FLOOR_BAUD, 38400, 57600, 115200):
+    for baud in (9600, FLOOR_BAUD, 38400, 115200):
         bit_time = round(clk_hz / baud)
         if bit_time < 8:
             continue
         tb.apply(bit_time=bit_time)
         await tb.silence()
-        for gap in (0, 1.2, 2.0, 2.5, 4.0):
+        for gap in (1.2, 2.0, 4.0):
             line = with_gap(READ, 4, scaled(tb, gap))
             answer = await tb.both(line, note=f"{baud} baud, gap {gap}")
             assert (answer is not None) == (gap < 1.5)
