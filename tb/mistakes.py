@@ -185,8 +185,11 @@ MISTAKES = [
     ),
 ]
 
-# (suite of test_system.py, regular expression of its cocotb tests); the quickest first.
+# (suite of test_modules.py or test_system.py, regular expression of its cocotb tests); the quickest first.
 SELECTION = [
+    ("crc16", None),
+    ("uart_tx", None),
+    ("line_timer_characters", None),
     (
         "functions_mapped",
         "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share",
@@ -221,12 +224,18 @@ def judge():
     """In a process whose RTL= names the copy: run the selection until a test fails; print what failed."""
     sys.path.insert(0, str(TB))
     os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
+    import test_modules
     import test_system
     from mbrtu.runner import run
 
     failed = []
     for number, (suite, only) in enumerate(SELECTION):
-        top, parameters, module, _ = test_system.SUITES[suite]
+        if suite in test_modules.MODULES:
+            top, parameters, module = test_modules.MODULES[suite]
+            module = f"modules.{module}"
+        else:
+            top, parameters, module, _ = test_system.SUITES[suite]
+            module = f"system.{module}"
         recorded = {}
         try:
             with contextlib.redirect_stdout(io.StringIO()):
@@ -234,7 +243,7 @@ def judge():
                     recorded.__setitem__,
                     "icarus",
                     top,
-                    f"system.{module}",
+                    module,
                     parameters,
                     only=only,
                     own=f"{number}_{suite}",
