@@ -13,6 +13,7 @@ passes the selection and every mistake is caught. The table goes to build/mistak
 """
 
 import contextlib
+import fcntl
 import io
 import json
 import os
@@ -190,6 +191,8 @@ SELECTION = [
     ("crc16", None),
     ("uart_tx", None),
     ("line_timer_characters", None),
+    ("frame_rx", None),
+    ("bank_guard", None),
     (
         "functions_mapped",
         "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share",
@@ -287,6 +290,12 @@ def main(part):
     chosen = [m for m in MISTAKES if part in m.name]
     if not chosen:
         sys.exit(f"no mistake has {part!r} in its name")
+    WORK.mkdir(parents=True, exist_ok=True)
+    lock = (WORK / "lock").open("w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        sys.exit("another `make mistakes` is running in this checkout")
     for mistake in chosen:  # patterns first: a stale one shall not cost minutes
         planted(mistake, WORK / mistake.name / "rtl")
     _, failed, seconds = run_one(None)

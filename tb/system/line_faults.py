@@ -323,6 +323,48 @@ async def request_during_the_answer_is_ignored(dut):
     await tb.finish()
 
 
+async def answer_beside(tb, begin, line):
+    """READ, with `line` starting `begin` ps after the end of t3.5: the answer must be whole and in time."""
+    expected = tb.slave.request(READ)
+    tb.sent = await tb.line.send(READ)
+    await wait_until(tb.sent + tb.t35 + begin)
+    intruder = cocotb.start_soon(tb.line.send(line, phase=0))
+    answer = await tb.line.answer(tb.t35 + tb.setup.response_delay * tb.bit + 400 * tb.bit)
+    shown = f"characters {begin / tb.bit:.3f} bits after t3.5"
+    assert answer, f"{shown}: silence"
+    assert answer.data == expected, f"{shown}: seen {frames.text(answer.data)}"
+    assert tb.latency(answer) >= tb.setup.response_delay, f"{shown}: too early"
+    await intruder
+
+
+@cocotb.test()
+async def characters_inside_the_response_delay(dut):
+    """They are ignored: the answer is whole, and the line goes on."""
+    tb = await Bench.start(dut, response_delay=120)
+    for begin, line in ((1.5, b"\xa5"), (20, b"\x00\xff\x55"), (60, write(0xBAD)), (109, b"\x81")):
+        tb.writes.clear()
+        await answer_beside(tb, begin * tb.bit, line)
+        assert not tb.writes, "a request heard during the delay was executed"
+        await recovers(tb)
+    await tb.finish()
+
+
+@cocotb.test()
+async def character_across_the_start_of_the_answer(dut):
+    """At every clock from the end of t3.5 until the answer is on its way."""
+    tb = await Bench.start(dut)
+    assert await tb.both(READ) is not None
+    clock = tb.bit // tb.setup.bit_time
+    last = round(tb.longest_latency * tb.setup.bit_time) + 2 * tb.setup.bit_time
+    first = round(1.2 * tb.setup.bit_time)  # before that the character may still spoil the request
+    for place in range(first, last):
+        if place > last - 5 * tb.setup.bit_time or place % 3 == 0:
+            await answer_beside(tb, place * clock + clock // 3, tb.rng.choice((b"\x00", b"\xff", b"\x55")))
+            await tb.silence(STRAGGLER_BITS)
+    assert await tb.both(READ) is not None
+    await tb.finish()
+
+
 @cocotb.test()
 @cocotb.parametrize(strict=[0, 1])
 async def request_right_after_the_answer(dut, strict):
