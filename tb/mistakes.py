@@ -134,7 +134,14 @@ MISTAKES = [
     Mistake(
         "read_only_range_open_at_its_end", "modbus_bank_guard.v", "(first <= RO_LAST[15:0])", "(first < RO_LAST[15:0])"
     ),
-    Mistake("refusal_taken_for_a_grant", "modbus_data_access.v", "& (exception_i == 4'd0);", ";"),
+    Mistake(
+        "refusal_taken_for_a_grant",
+        "modbus_data_access.v",
+        """(grant_ack_i ? exception_i != 4'd0 : stall_i);
+  wire granted    = grant_i & grant_ack_i & (exception_i == 4'd0);""",
+        """(grant_ack_i ? 1'b0 : stall_i);
+  wire granted    = grant_i & grant_ack_i;""",
+    ),
     Mistake(
         "second_question_left_out",
         "modbus_program.v",
@@ -142,10 +149,10 @@ MISTAKES = [
         "11: read_write = at(`MB_STEP_POINT, AT_RW_WRITE, NO_FLAG);",
     ),
     Mistake(
-        "bus_error_taken_for_done",
+        "bus_error_not_noticed",
         "modbus_data_access.v",
-        "wire ack   = stb & wb_ack_i & ~wb_err_i;",
-        "wire ack   = stb & (wb_ack_i | wb_err_i);",
+        "stb & (wb_err_i | (stall_i & ~wb_ack_i))",
+        "stb & stall_i & ~wb_ack_i",
     ),
     Mistake(
         "stall_in_the_burst_for_ever",
