@@ -17,6 +17,7 @@ module modbus_bank_guard #(
   parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
   parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
   parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,   // holding registers not to be written
+  parameter integer FILE_COUNT = 0,     parameter integer FILE_RECORDS = 256,    // files 1..count, records 0.. of each
   parameter integer OVERLAY = 0
 ) (
   input  wire        clk_i,
@@ -28,6 +29,7 @@ module modbus_bank_guard #(
   input  wire [15:0] first_i,
   input  wire [15:0] last_i,
   input  wire        write_i,
+  input  wire [15:0] file_i,         // space 4: file number
   output wire        ack_o,          // strobe
   output wire [3:0]  exception_o     // level : with ack_o, 0 or 02
 );
@@ -39,7 +41,11 @@ module modbus_bank_guard #(
         HOLDING_BASE < 0 || HOLDING_COUNT < 0 || HOLDING_BASE + HOLDING_COUNT > 65536) begin : gen_tables
       ERROR_modbus_bank_table_exceeds_addresses_0_to_65535 illegal_parameter ();
     end
-    if (COIL_COUNT + DISCRETE_COUNT + INPUT_COUNT + HOLDING_COUNT == 0) begin : gen_empty
+    if (FILE_COUNT < 0 || FILE_COUNT > 65535 || FILE_RECORDS < 1 || FILE_RECORDS > 10000 ||
+        FILE_COUNT > 65536 / FILE_RECORDS) begin : gen_files
+      ERROR_modbus_bank_files_of_1_to_10000_records_hold_up_to_65536_in_all illegal_parameter ();
+    end
+    if (COIL_COUNT + DISCRETE_COUNT + INPUT_COUNT + HOLDING_COUNT + FILE_COUNT == 0) begin : gen_empty
       ERROR_modbus_bank_has_no_table illegal_parameter ();
     end
     if (READ_ONLY_COUNT < 0 || READ_ONLY_BASE < 0 || READ_ONLY_BASE + READ_ONLY_COUNT > 65536) begin : gen_read_only
@@ -79,10 +85,15 @@ module modbus_bank_guard #(
         high = INPUT_LOW[15:0] + INPUTS[15:0] - 16'd1;
         exists = (INPUTS != 0);
       end
-      default: begin
+      `MB_SPACE_HOLDINGS: begin
         low = HOLDING_BASE[15:0];
         high = HOLDING_BASE[15:0] + HOLDING_COUNT[15:0] - 16'd1;
-        exists = (HOLDING_COUNT != 0) & (space_i == `MB_SPACE_HOLDINGS);
+        exists = (HOLDING_COUNT != 0);
+      end
+      default: begin
+        low = 16'd0;
+        high = FILE_RECORDS[15:0] - 16'd1;
+        exists = (FILE_COUNT != 0) & (space_i == `MB_SPACE_FILES) & (file_i != 16'd0) & (file_i <= FILE_COUNT[15:0]);
       end
     endcase
   end
@@ -98,7 +109,7 @@ module modbus_bank_guard #(
       wire       bits  = (space_i[2:1] == 2'b00);
       wire [15:0] first = bits ? {4'd0, first_i[15:4]} : first_i;
       wire [15:0] last  = bits ? {4'd0, last_i[15:4]}  : last_i;
-      wire       touches = (first <= RO_LAST[15:0]) & (last >= READ_ONLY_BASE[15:0]);
+      wire       touches = (first <= RO_LAST[15:0]) & (last >= READ_ONLY_BASE[15:0]) & (space_i != `MB_SPACE_FILES);
       assign locked = write_lock_i | (touches & (OVERLAY != 0 || !bits));
     end
   endgenerate

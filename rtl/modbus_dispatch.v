@@ -3,108 +3,162 @@
 //
 // modbus_dispatch - carries out the steps of modbus_program on the frame in the RAM.
 //
-// Starts with start_i (a good frame, t3.5 over) and ends with send_stb_o (count bytes in the frame RAM are the
-// answer) or with quiet_stb_o (not for us, or broadcast: nothing is sent).  A step takes two clocks to fetch and
-// one or more to carry out; a step of several clocks has all its decisions in registers, for speed.  Whatever
-// goes wrong becomes one exception code and the EXCEPTION routine, before the next step begins; in a
-// broadcast that routine sends nothing either (V1.02, clause 2.2).
+// Starts with good_i (a good frame, t3.5 over) or bad_i (only to count it).  send_stb_o: count bytes in the frame RAM
+// are the answer; the steps go on beside it.  quiet_stb_o: nothing is sent (not for us, or broadcast).  A step takes
+// two clocks to fetch and one or more to carry out; a step of several clocks has all its decisions in registers,
+// for speed.  Whatever goes wrong becomes one exception code and the EXCEPTION routine, before the next step
+// begins; in a broadcast that routine sends nothing either (V1.02, clause 2.2).
 
 `default_nettype none
 `include "modbus_defs.vh"
 `include "modbus_steps.vh"
 
-module modbus_dispatch (
+module modbus_dispatch #(
+  parameter [63:0]  FUNCTION_CODES = 64'h0000080001F399FE,
+  parameter [127:0] USER_CODES     = 128'd0
+) (
   input  wire        clk_i,
   input  wire        rst_i,
   input  wire [7:0]  address_i,
   input  wire        broadcast_en_i,
   input  wire        busy_i,
+  input  wire [3:0]  failure_i,      // level : exception code instead of execution, 0: none
 
   // Line
-  input  wire        start_i,        // strobe
+  input  wire        good_i,         // strobe
+  input  wire        bad_i,          // strobe
+  input  wire        long_i,         // level : with bad_i, more than 256 bytes
   output wire        send_stb_o,     // strobe: send the answer
   output wire        quiet_stb_o,    // strobe: nothing to send
+  output wire        restart_stb_o,  // strobe: the line must be silent again
   output wire        addressed_stb_o,// strobe: a good frame for us or for all
   output wire        written_stb_o,  // strobe: a write is committed; space, first and last address valid
+  input  wire        sending_i,      // level : an answer is on its way
 
   // Program
-  output wire [7:0]  program_at_o,
+  output wire [8:0]  program_at_o,
   input  wire [15:0] program_step_i,
+  input  wire [8:0]  start_i,        // constants: where its routines begin
+  input  wire [8:0]  bad_at_i,
+  input  wire [8:0]  exception_i,
+  input  wire [8:0]  reset_i,
 
   // Frame RAM
   input  wire [7:0]  byte_i,
   input  wire [3:0]  cursor_i,
   input  wire [8:0]  count_i,
   output wire        point_o,
-  output wire [3:0]  point_at_o,
+  output wire [4:0]  point_at_o,
   output wire        clear_o,
   output wire        step_o,
   output wire        up_o,
   output wire        down_o,
   output wire        put_o,
+  output wire        context_keep_o,
+  output wire        context_recall_o,
 
   // Data access
   output wire        hold_o,
   output wire        address_o,
   output wire        quantity_o,
+  output wire        depth_o,
   output wire        single_o,
+  output wire        set_first_o,
+  output wire        set_less_o,
+  output wire        file_o,
+  output wire        total_clear_o,
+  output wire        total_o,
   output wire        range_o,
   output wire        load_o,
+  output wire        literal_o,
   output wire        grant_o,
   output wire        burst_o,
-  output wire [10:0] limit_o,        // level : highest quantity
-  output wire [2:0]  space_o,        // level : where the step works
+  output wire [10:0] argument_o,     // level : literals and limits
+  output wire [2:0]  space_o,        // level : where the steps work
   output wire        write_o,        // level : direction of grant and burst
   output wire        keep_o,         // level : hold the bus after the burst
+  output wire        dry_o,          // level : no bus
   output wire [1:0]  what_o,         // level : what to load
   output wire        mark_o,
   output wire [3:0]  code_o,
   input  wire        in_limit_i,
   input  wire        bytes_fit_i,
   input  wire        over_i,
+  input  wire        beyond_i,
+  input  wire        too_long_i,
   input  wire        done_i,
   input  wire        fail_i,
   input  wire [3:0]  fail_code_i,
-  input  wire [7:0]  held_i
+  input  wire [7:0]  held_i,
+
+  // User
+  output wire        offer_o,        // level until done or failed
+  input  wire        user_done_i,    // strobe
+  input  wire        user_fail_i,    // strobe
+  input  wire        user_pass_i,    // level : with user_done_i
+  input  wire [3:0]  user_code_i,    // level : with user_fail_i
+
+  // Diagnostics
+  output wire        diag_count_o,
+  output wire        diag_clear_o,
+  output wire        diag_log_o,
+  output wire [7:0]  diag_event_o,
+  output wire        diag_write_o,
+  output wire [10:0] mode_o,         // strobes, see MB_MODE_*
+  input  wire        listen_only_i
 );
 
-  // Routines that this module itself goes to
-  localparam [7:0] START = 8'd0, EXCEPTION = 8'd5;
-  localparam [2:0] TABLE_PAGE = 3'd1;            // the table fills addresses 32..63
+`include "modbus_features.vh"
 
-  wire [3:0]  step     = program_step_i[15:12];
-  wire [11:0] argument = program_step_i[11:0];
+  wire [4:0]  step     = {(HAS_MORE_STEPS != 0) & program_step_i[15], program_step_i[14:11]};
+  wire [10:0] argument = program_step_i[10:0];
 
   reg        run_q = 1'b0;           // a frame is worked on
   reg        fetched_q = 1'b0;       // program_step_i is the step at at_q
-  reg [7:0]  at_q = START;
-  reg [15:0] is_q = 16'd0;           // the step being carried out, one hot
+  reg [8:0]  at_q = 9'd0;
+  reg [31:0] is_q = 32'd0;           // the step being carried out, one hot
   reg [1:0]  phase_q = 2'd0;         // its clock, 0 to 3
   reg        raise_q = 1'b0;         // the step before went wrong
-  reg [3:0]  code_q;
-  reg        broadcast_q;
-  reg [2:0]  space_q;                // of the step, registered because much hangs on it
-  reg        write_q;
+  reg [3:0]  code_q = 4'd0;          // with what exception code, 0: nothing did
+  reg        broadcast_q = 1'b0;
+  reg        long_q = 1'b0;
+  reg [2:0]  space_q;
   reg        arrived_q;              // the cursor was at the place a clock ago: a walk goes every other clock
-  reg        finished_q;             // bank or burst ended a clock ago
+  reg        finished_q;             // bank, burst or user ended a clock ago
   reg        count_held_q;           // count was the held byte a clock ago
+  reg        same_q;                 // the byte was the held one or the literal a clock ago
+  reg        holds_q;                // the condition of IF held a clock ago
 
   wire is_addressed  = is_q[`MB_STEP_ADDRESSED];
   wire is_function   = is_q[`MB_STEP_FUNCTION];
   wire is_jump       = is_q[`MB_STEP_JUMP];
+  wire is_if         = is_q[`MB_STEP_IF] & (HAS_MORE_STEPS != 0);
+  wire is_rest       = is_q[`MB_STEP_REST] & (HAS_DIAGNOSTICS != 0);
   wire is_address    = is_q[`MB_STEP_ADDRESS];
   wire is_quantity   = is_q[`MB_STEP_QUANTITY];
+  wire is_depth      = is_q[`MB_STEP_DEPTH] & (HAS_FIFO != 0);
+  wire is_file       = is_q[`MB_STEP_FILE] & (HAS_FILES != 0);
   wire is_coil       = is_q[`MB_STEP_COIL];
   wire is_byte_count = is_q[`MB_STEP_BYTE_COUNT];
+  wire is_match      = is_q[`MB_STEP_MATCH] & (HAS_LITERALS != 0);
   wire is_end        = is_q[`MB_STEP_END];
+  wire is_space      = is_q[`MB_STEP_SPACE] & (HAS_MORE_STEPS != 0);
+  wire is_set        = is_q[`MB_STEP_SET] & (HAS_LITERALS != 0);
   wire is_range      = is_q[`MB_STEP_RANGE];
+  wire is_total      = is_q[`MB_STEP_TOTAL] & (HAS_FILES != 0);
   wire is_grant      = is_q[`MB_STEP_GRANT];
   wire is_burst      = is_q[`MB_STEP_BURST];
   wire is_point      = is_q[`MB_STEP_POINT];
   wire is_walk       = is_q[`MB_STEP_WALK];
+  wire is_context    = is_q[`MB_STEP_CONTEXT] & (HAS_CONTEXT != 0);
+  wire is_literal    = is_q[`MB_STEP_LITERAL] & (HAS_LITERALS != 0);
   wire is_load       = is_q[`MB_STEP_LOAD];
   wire is_put        = is_q[`MB_STEP_PUT];
   wire is_send       = is_q[`MB_STEP_SEND];
+  wire is_offer      = is_q[`MB_STEP_OFFER] & (HAS_USER != 0);
+  wire is_count      = is_q[`MB_STEP_COUNT] & (HAS_DIAGNOSTICS != 0);
+  wire is_log        = is_q[`MB_STEP_LOG] & (HAS_DIAGNOSTICS != 0);
+  wire is_mode       = is_q[`MB_STEP_MODE] & (HAS_DIAGNOSTICS != 0);
 
   wire first  = (phase_q == 2'd0);
   wire second = (phase_q == 2'd1);
@@ -121,94 +175,178 @@ module modbus_dispatch (
     match_q <= (byte_i == address_i);
   end
 
-  wire coil_value = zero_q & (held_i == 8'h00 || held_i == 8'hFF);
+  // ------------------------------------------------------------------ what can be wrong with a request
 
-  // What can be wrong with a request
-  wire bad_value   = (is_quantity & fourth & ~in_limit_i)
+  wire coil_value  = zero_q & (held_i == 8'h00 || (held_i == 8'hFF && !argument[0]));
+  wire no_words    = (count_i == 9'd0) | count_i[0] | count_i[8];
+  wire negative    = is_if & second & (argument[10:9] == `MB_IF_LEFT) & count_i[8];
+  wire bad_value   = ((is_quantity | is_depth) & fourth & ~in_limit_i)
                    | (is_coil & third & ~coil_value)
                    | (is_byte_count & third & ~count_held_q)
-                   | (is_byte_count & fourth & ~bytes_fit_i)
-                   | (is_end & count_i != 9'd0);
-  wire bad_address = is_range & third & over_i;
-  wire busy        = is_grant & done_i & argument[2] & busy_i;
+                   | (is_byte_count & fourth & argument[0] & ~bytes_fit_i)
+                   | (is_end & ((HAS_DIAGNOSTICS != 0 && argument[0]) ? no_words : count_i != 9'd0))
+                   | (is_total & fourth & too_long_i)
+                   | negative;
+  wire bad_address = is_range & fourth & (over_i | (argument[1] & beyond_i));
+  wire unready     = is_jump & (argument[10:9] == `MB_JUMP_READY) & (busy_i | failure_i != 4'd0);
+  wire unmatched   = is_match & second & ~same_q & (argument[10:8] != 3'd0);
+  wire illegal     = is_jump & argument[9] & (argument[10] | broadcast_q);
+  wire user_fail   = is_offer & user_fail_i;
+
+  // ------------------------------------------------------------------ the step and the next
 
   // A step that looks at fields or places takes four clocks, the others one or as long as it takes.
-  wire fields = is_address | is_quantity | is_coil | is_byte_count;
-  wire over   = ((is_addressed | fields | is_range | is_load | is_put) & fourth)
-              | ((is_grant | is_burst) & finished_q) | (is_walk & phase_q[0] & arrived_q)
-              | is_function | is_jump | is_end | is_point | is_send;
-  wire quiet  = (is_addressed & second & ~for_all & ~for_us) | (broadcast_q & ((is_jump & argument[8]) | is_send));
-  wire send   = is_send & ~broadcast_q;
+  wire fields = is_address | is_quantity | is_depth | is_file | is_coil | is_byte_count;
+  wire over   = ((is_addressed | fields | is_range | is_load | is_put | is_total) & fourth)
+              | ((is_if | is_match | is_count | is_log) & second)
+              | ((is_grant | is_burst | is_offer) & finished_q) | (is_walk & phase_q[0] & arrived_q)
+              | (is_mode & ~(argument[0] & sending_i))
+              | is_function | is_jump | is_end | is_space | is_set | is_point | is_context | is_literal | is_send
+              | is_rest;
+  wire foreign = is_addressed & second & ~for_all & ~for_us;
+  wire send    = is_send & ~broadcast_q;
+  wire ends    = is_rest | (is_send & argument[6]);
+
+  // Whether a step of diagnostics applies
+  wire answered_code = (code_q != 4'd0) & ~broadcast_q;
+  reg  applies;
+  always @* begin
+    case (argument[8:6])
+      `MB_WHEN_SUCCESS:   applies = (code_q == 4'd0);
+      `MB_WHEN_EXCEPTION: applies = (code_q != 4'd0);
+      `MB_WHEN_BUSY:      applies = answered_code & (code_q == `MB_EX_DEVICE_BUSY);
+      `MB_WHEN_NAK:       applies = answered_code & (code_q == `MB_EX_NEGATIVE_ACKNOWLEDGE);
+      `MB_WHEN_BROADCAST: applies = broadcast_q;
+      `MB_WHEN_LONG:      applies = long_q;
+      default:            applies = 1'b1;
+    endcase
+  end
+
+  // The function codes that the user wants to see; nothing in a broadcast
+  wire users = USER_CODES[byte_i[6:0]] & ~byte_i[7] & ~broadcast_q;
+  reg  holds;
+  always @* begin
+    case (argument[10:9])
+      `MB_IF_EQUAL:     holds = (byte_i == held_i);
+      `MB_IF_LEFT:      holds = (count_i != 9'd0);
+      `MB_IF_LISTENING: holds = listen_only_i;
+      default:          holds = ~users;
+    endcase
+  end
+
+  wire       taken = is_jump | (is_if & second & holds_q) | (is_offer & finished_q & ~same_q);
+  wire       fits  = (byte_i[7:5] == 3'd0) & ~(&byte_i[4:1]);
+  wire       is_2b = FUNCTION_CODES[43] & argument[9] & (byte_i == `MB_FC_ENCAPSULATED);
+  wire [4:0] entry = fits ? byte_i[4:0] : {4'hF, ~is_2b};
 
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~over & ~raise_q;
-    is_q      <= 16'd1 << step;
+    is_q      <= 32'd1 << step;
     phase_q   <= phase_q + 2'd1;
-    if (!fetched_q || over || raise_q) is_q <= 16'd0;
-    if (is_q == 16'd0)      phase_q <= 2'd0;
+    if (!fetched_q || over || raise_q) is_q <= 32'd0;
+    if (is_q == 32'd0)      phase_q <= 2'd0;
 
-    space_q      <= argument[10:8];
-    write_q      <= argument[0];
+    if (is_space || (is_address && argument[3])) space_q <= argument[2:0];
     arrived_q    <= (cursor_i == argument[3:0]);
-    finished_q   <= done_i | fail_i;
+    finished_q   <= done_i | fail_i | (is_offer & user_done_i) | user_fail;
     count_held_q <= (count_i == {1'b0, held_i});
+    holds_q      <= holds;
+    same_q       <= is_offer ? user_pass_i : (byte_i == argument[7:0]);
     if (is_addressed && second) broadcast_q <= for_all;
 
-    raise_q <= bad_value | bad_address | busy | fail_i;
-    if (!run_q)           code_q <= `MB_EX_ILLEGAL_FUNCTION;
-    else if (fail_i)      code_q <= fail_code_i;
-    else if (busy)        code_q <= `MB_EX_DEVICE_BUSY;
-    else if (bad_address) code_q <= `MB_EX_ILLEGAL_DATA_ADDRESS;
-    else if (bad_value)   code_q <= `MB_EX_ILLEGAL_DATA_VALUE;
+    raise_q <= bad_value | bad_address | unready | unmatched | illegal | fail_i | user_fail;
+    if (!run_q)             code_q <= 4'd0;
+    else if (fail_i)        code_q <= fail_code_i;
+    else if (user_fail)     code_q <= user_code_i;
+    else if (unready)       code_q <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;
+    else if (unmatched)     code_q <= {1'b0, argument[10:8]};
+    else if (bad_address)   code_q <= `MB_EX_ILLEGAL_DATA_ADDRESS;
+    else if (bad_value)     code_q <= `MB_EX_ILLEGAL_DATA_VALUE;
+    else if (illegal)       code_q <= `MB_EX_ILLEGAL_FUNCTION;
 
-    if (!run_q)           at_q <= START;
-    else if (raise_q)     at_q <= EXCEPTION;
-    else if (is_function) at_q <= {TABLE_PAGE, (byte_i[7:5] == 3'd0) ? byte_i[4:0] : 5'd0};
-    else if (is_jump)     at_q <= argument[7:0];
-    else if (over)        at_q <= at_q + 8'd1;
+    if (!run_q)           at_q <= (HAS_DIAGNOSTICS != 0 && bad_i) ? bad_at_i : start_i;
+    else if (raise_q)     at_q <= exception_i;
+    else if (is_function) at_q <= argument[8:0] | {4'd0, entry};
+    else if (taken)       at_q <= argument[8:0];
+    else if (over)        at_q <= at_q + 9'd1;
 
-    run_q <= run_q ? ~(quiet | send) : start_i;
+    if (!run_q) begin
+      long_q      <= long_i;
+      broadcast_q <= 1'b0;
+    end
+    run_q <= run_q ? ~(foreign | ends) : good_i | (HAS_DIAGNOSTICS != 0 && bad_i);
     if (rst_i) begin
-      run_q     <= 1'b0;
+      run_q     <= (HAS_DIAGNOSTICS != 0);       // to clear the counters
+      if (HAS_DIAGNOSTICS != 0) at_q <= reset_i;
       fetched_q <= 1'b0;
-      is_q      <= 16'd0;
+      is_q      <= 32'd0;
       raise_q   <= 1'b0;
     end
   end
 
-  wire consume = (fields & ~phase_q[1]) | (is_addressed & first) | is_function;
+  // ------------------------------------------------------------------ what the step does
+
+  wire consume = (fields & first) | (fields & second & (~is_byte_count | argument[0]))
+               | (is_addressed & first) | is_function | (is_match & second);
   wire walk    = is_walk & phase_q[0] & ~arrived_q;
   wire placed  = is_put & second;
+  wire here    = argument[6];
 
   assign send_stb_o      = send;
-  assign quiet_stb_o     = quiet;
+  assign quiet_stb_o     = foreign | (ends & ~send & ~sending_i);
+  assign restart_stb_o   = mode_o[7];
   assign addressed_stb_o = is_addressed & second & (for_all | for_us);
-  assign written_stb_o   = is_address & third & argument[11];
+  assign written_stb_o   = is_range & fourth & argument[2];
   assign program_at_o    = at_q;
 
-  assign point_o    = is_point | ((is_load | is_put) & first) | is_send;
-  assign point_at_o = is_send ? 4'd0 : argument[3:0];
-  assign clear_o    = is_point & argument[4];
+  assign point_o    = is_point | ((is_load | is_put) & first & ~here) | is_send;
+  assign point_at_o = argument[4:0];
+  assign clear_o    = is_point & argument[5];
   assign put_o      = placed;
   assign step_o     = consume | walk | placed;
-  assign up_o       = (walk & argument[4]) | placed;
-  assign down_o     = consume | (walk & ~argument[4]);
+  assign up_o       = (walk & argument[5]) | placed;
+  assign down_o     = consume | (walk & ~argument[5]);
+  assign context_keep_o   = is_context & argument[0];
+  assign context_recall_o = is_context & argument[1];
 
-  assign hold_o     = fields & first;
-  assign address_o  = is_address & second;
-  assign quantity_o = is_quantity & second;
-  assign single_o   = is_range & first & argument[0];
-  assign range_o    = is_range & second;
-  assign load_o     = is_load & second;
-  assign grant_o    = is_grant & ~finished_q;
-  assign burst_o    = is_burst & ~finished_q;
-  assign limit_o    = argument[10:0];
-  assign space_o    = space_q;
-  assign write_o    = write_q;
-  assign keep_o     = argument[1];
-  assign what_o     = argument[5:4];
-  assign mark_o     = argument[6];
-  assign code_o     = code_q;
+  assign hold_o      = fields & first;
+  assign address_o   = is_address & second;
+  assign quantity_o  = is_quantity & second;
+  assign depth_o     = is_depth & second;
+  assign file_o      = is_file & second;
+  assign single_o    = is_range & first & argument[0];
+  assign set_first_o = is_set & ~argument[10];
+  assign set_less_o  = is_set & argument[10];
+  assign total_clear_o = is_byte_count;
+  assign total_o     = is_total & first;
+  assign range_o     = is_range & second;
+  assign load_o      = is_load & second;
+  assign literal_o   = is_literal;
+  assign grant_o     = is_grant & ~finished_q;
+  assign burst_o     = is_burst & ~finished_q;
+  assign argument_o  = argument;
+  assign space_o     = space_q;
+  assign write_o     = argument[0];
+  assign keep_o      = argument[1];
+  assign dry_o       = argument[2];
+  assign what_o      = argument[8:7];
+  assign mark_o      = argument[5];
+  assign code_o      = code_q;
+
+  assign offer_o     = is_offer & ~finished_q;
+
+  // Event bytes (V1.1b3, clause 6.10); the program gives the kind, what varies is added.
+  wire [3:0] sent = {code_q == 4'd7, code_q == 4'd5 || code_q == 4'd6, code_q == 4'd4, code_q != 4'd0 && code_q < 4'd4};
+
+  assign diag_count_o = is_count & applies;
+  assign diag_clear_o = argument[5];
+  assign diag_log_o   = is_log;
+  assign diag_event_o = argument[7:0]
+                      | {1'b0, argument[8] & broadcast_q, listen_only_i, argument[10] & long_q,
+                         sent & {4{argument[9] & ~broadcast_q}}};
+  assign diag_write_o = second;
+  assign mode_o = {11{is_mode & over}} & argument
+                & {4'hF, long_q, 2'b11, held_i[0], 3'b111};
 
 endmodule
 

@@ -37,6 +37,8 @@ module modbus_frame_rx (
 
   // Verdict
   output wire       good_stb_o,      // strobe: good frame complete, t3.5 has passed
+  output wire       bad_stb_o,       // strobe: bad one
+  input  wire       restart_i,       // strobe: silence of t3.5 before anything is heard again
   input  wire       done_stb_i,      // strobe: the frame was dealt with
   input  wire       answered_i,      // level : with done_stb_i, an answer was sent
   output wire       active_o,        // level : a frame is being received
@@ -100,10 +102,11 @@ module modbus_frame_rx (
         long_q    <= long_q    | full;
       end
     end
-    if (rst_i) state_q <= ST_INITIAL;
+    if (rst_i || restart_i) state_q <= ST_INITIAL;
   end
 
   assign good_stb_o    = good;
+  assign bad_stb_o     = verdict & ~good;
   assign active_o      = reception;
   assign err_parity_o  = verdict & parity_q;
   assign err_framing_o = verdict & framing_q;

@@ -6,7 +6,8 @@
 // Wiring only.  A request is received whole, judged, granted, carried out, answered; nothing outside is touched before
 // t3.5 has passed and the frame is good.  Before the first access the core asks the bank with
 // grant_req_o for a range of items; the bank answers with grant_ack_i and 0, or an exception code.
-// Then follows one burst under wb_cyc_o (read/write, function codes 16H and 17H: both halves under one).
+// Then follows one burst under wb_cyc_o (several under one: the halves of 16H and 17H, the groups of 14H and 15H, count
+// and entries of 18H).
 // modbus_bank_ram and modbus_bank_io are banks for this interface; so is whatever you write.
 
 `default_nettype none
@@ -16,13 +17,28 @@ module modbus_rtu_core #(
   parameter integer CLK_HZ              = 50000000,      // clk_i in hertz
   parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
   parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
-  parameter [31:0]  FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
+  parameter [63:0]  FUNCTION_CODES      = 64'h0000080001F399FE,  // bit n: function code n is built in
+  parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user first
   parameter integer MAX_READ_BITS       = 2000,          // 1..2000
   parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
   parameter integer MAX_READ_REGISTERS  = 125,           // 1..125
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
+  parameter integer SERVER_ID_BYTES     = 1,             // 1..16
+  parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // what follows the run indicator, right-justified
+  parameter integer ADDITIONAL_DATA_BYTES = 0,           // 0..234
+  parameter [1951:0] VENDOR_NAME        = "VENDOR",      // function code 2BH: objects 00, 01, 02
+  parameter [1951:0] PRODUCT_CODE       = "PRODUCT",
+  parameter [1951:0] REVISION           = "V1.0",
+  parameter [1951:0] VENDOR_URL         = "",            // 03 to 06, not there if empty
+  parameter [1951:0] PRODUCT_NAME       = "",
+  parameter [1951:0] MODEL_NAME         = "",
+  parameter [1951:0] USER_APPLICATION_NAME = "",
+  parameter [4095:0] PRIVATE_OBJECTS    = 4096'd0,       // {object 80H.., length, value}..., right-justified
+  parameter [7:0]   CONFORMITY          = 8'h81,         // 01 02 03 81 82 83
+  parameter integer DEVICE_ID_LIMIT     = 253,           // largest PDU of its answers
   parameter integer ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
 ) (
   input  wire        clk_i,
@@ -45,6 +61,10 @@ module modbus_rtu_core #(
   input  wire [3:0]  de_lead_i,                  // bit times from driver enable to the start bit
   input  wire [3:0]  de_tail_i,                  // bit times from the last stop bit to driver off
   input  wire        busy_i,                     // 1: exception 06 where nothing else is wrong
+  input  wire [3:0]  failure_i,                  // 0, or the exception code to give instead of execution
+  input  wire [7:0]  exception_status_i,         // function code 07H
+  input  wire        run_indicator_i,            // function code 11H: 1 FFH, 0 00H
+  input  wire [15:0] diagnostic_i,               // bits 15..1 set those of the diagnostic register
 
   // Bank: grant
   output wire        grant_req_o,                // level until grant_ack_i or the stall limit; then forget the question
@@ -52,6 +72,7 @@ module modbus_rtu_core #(
   output wire [15:0] grant_first_o,
   output wire [15:0] grant_last_o,
   output wire        grant_write_o,
+  output wire [15:0] grant_file_o,               // space 4: file number, through the burst; the items are records
   input  wire        grant_ack_i,
   input  wire [3:0]  exception_i,                // with grant_ack_i: 0 granted; with wb_err_i: 0 means 04
 
@@ -65,11 +86,32 @@ module modbus_rtu_core #(
   input  wire        wb_ack_i,
   input  wire        wb_err_i,
 
+  // User functions, see docs/user_functions.md
+  output wire        user_req_o,                 // level until user_done_i or the stall limit: a request for the user
+  output wire [7:0]  user_count_o,               // its bytes, address included, check field not
+  input  wire [7:0]  user_adr_i,                 // which of them
+  output wire [7:0]  user_dat_o,                 // a clock later
+  input  wire        user_put_i,                 // strobe: append a byte to the answer
+  input  wire [7:0]  user_dat_i,
+  input  wire        user_done_i,                // strobe: finished, and how:
+  input  wire        user_pass_i,                //   1: not the user's after all
+  input  wire [3:0]  user_exception_i,           //   0: the answer is complete, else the exception code
+
+  // Diagnostics
+  output wire        listen_only_o,
+  output wire [15:0] diagnostic_register_o,
+  output wire [6:0]  log_count_o,                // entries of the event log, 0..64
+  input  wire        counter_stb_i,              // level until counter_ack_o
+  input  wire [6:0]  counter_adr_i,              // 0AH event counter, 0BH..12H by sub-function, 40H + n log entry
+  output wire [15:0] counter_dat_o,              // valid with counter_ack_o
+  output wire        counter_ack_o,
+
   // Events: strobes of one clock, but alive_o and rx_active_o
   output wire        write_stb_o,                // a write is committed:
   output wire [2:0]  write_space_o,              //   valid with write_stb_o
   output wire [15:0] write_first_o,
   output wire [15:0] write_last_o,
+  output wire [15:0] write_file_o,               //   space 4: file number
   output wire        alive_o,                    // level : a master talks to us
   output wire        rx_active_o,                // level : a frame is being received
   output wire        frame_stb_o,                // good frame, for whomever
@@ -96,9 +138,7 @@ module modbus_rtu_core #(
   localparam integer T15_CLOCKS = (CLK_HZ / 1000000) * T15_MIN_US + (KHZ * T15_MIN_US + 999) / 1000;
   localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
 
-  localparam integer HAS_BITS = ((FUNCTION_CODES & 32'h00008026) != 0) ? 1 : 0;     // 01 02 05 0F
-  localparam integer HAS_WORDS = ((FUNCTION_CODES & 32'h00C10058) != 0) ? 1 : 0;     // 03 04 06 10 16 17
-  localparam integer HAS_MASK = ((FUNCTION_CODES & 32'h00400000) != 0) ? 1 : 0;     // 16
+`include "modbus_features.vh"
 
   // Bit clock
   wire       quarter_stb, bit_stb, rx_restart, tx_restart, send_stb;
@@ -123,15 +163,15 @@ module modbus_rtu_core #(
     .parity_error_o(parity_error), .framing_error_o(framing_error), .busy_o(rx_busy)
   );
 
-  wire t15, t35;
+  wire t15, t35, restart;
 
   modbus_line_timer #(.T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)) u_line_timer (
     .clk_i(clk_i), .rst_i(rst_i), .format_i(format_i), .quarter_stb_i(quarter_stb),
-    .busy_i(rx_busy | drive), .t15_o(t15), .t35_o(t35)
+    .busy_i(rx_busy | drive | restart), .t15_o(t15), .t35_o(t35)
   );
 
   // Frames
-  wire       open_stb, store_stb, good_stb, quiet_stb, sent_stb, crc_zero;
+  wire       open_stb, store_stb, good_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
   wire [8:0] count;
   wire [3:0] cursor;
   wire [7:0] frame_byte, held;
@@ -140,23 +180,27 @@ module modbus_rtu_core #(
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(gap_count_only_i), .strict_i(strict_turnaround_i),
     .start_stb_i(start_stb), .char_stb_i(char_stb), .parity_error_i(parity_error), .framing_error_i(framing_error),
     .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .count_i(count), .open_stb_o(open_stb), .store_stb_o(store_stb),
-    .good_stb_o(good_stb), .done_stb_i(quiet_stb | sent_stb), .answered_i(sent_stb),
+    .good_stb_o(good_stb), .bad_stb_o(bad_stb), .restart_i(restart), .done_stb_i(quiet_stb | sent_stb), .answered_i(sent_stb),
     .active_o(rx_active_o), .err_parity_o(err_parity_o), .err_framing_o(err_framing_o),
     .err_overrun_o(err_overrun_o), .err_crc_o(err_crc_o), .err_short_o(err_short_o), .err_long_o(err_long_o),
     .err_gap_o(err_gap_o)
   );
 
-  wire       do_point, do_clear, do_step, do_up, do_down, do_put, move_put, move_step, tx_step;
-  wire [3:0] do_point_at;
+  wire       do_point, do_clear, do_step, do_up, do_down, do_put, do_keep, do_recall, move_put, move_step, tx_step;
+  wire       user_put;
+  wire [4:0] do_point_at;
   wire [7:0] move_data;
+  wire [8:0] kept_count;
 
-  modbus_frame_ram u_frame_ram (
+  modbus_frame_ram #(.HAS_UPPER(HAS_UPPER), .HAS_CONTEXT(HAS_CONTEXT)) u_frame_ram (
     .clk_i(clk_i),
-    .point_i(open_stb | do_point), .point_at_i(open_stb ? 4'd0 : do_point_at),
-    .step_i(store_stb | do_step | move_put | move_step | tx_step),
-    .clear_i(open_stb | do_clear), .up_i(store_stb | do_up | move_put), .down_i(do_down | tx_step),
-    .write_i(store_stb | do_put | move_put), .data_i(rx_active_o ? rx_data : move_data),
-    .byte_o(frame_byte), .cursor_o(cursor), .count_o(count)
+    .point_i(open_stb | do_point), .point_at_i(open_stb ? 5'd0 : do_point_at),
+    .step_i(store_stb | do_step | move_put | move_step | user_put | tx_step),
+    .clear_i(open_stb | do_clear), .up_i(store_stb | do_up | move_put | user_put), .down_i(do_down | move_step | tx_step),
+    .keep_i(do_keep), .recall_i(do_recall), .look_i(user_req_o), .look_at_i(user_adr_i),
+    .write_i(store_stb | do_put | move_put | user_put),
+    .data_i(rx_active_o ? rx_data : user_req_o ? user_dat_i : move_data),
+    .byte_o(frame_byte), .cursor_o(cursor), .count_o(count), .kept_count_o(kept_count)
   );
 
   wire tx_bit_stb, tx_bit, tx_feed, check_bit;
@@ -167,55 +211,161 @@ module modbus_rtu_core #(
   );
 
   // Requests
-  wire [7:0]  program_at;
+  wire [8:0]  program_at, program_start, program_bad, program_exception, program_reset;
   wire [15:0] program_step;
-  wire        addressed_stb, do_hold, do_address, do_quantity, do_single, do_range, do_load, do_grant, do_burst;
-  wire        in_limit, bytes_fit, over, done, fail, waiting, stall;
-  wire [10:0] limit;
+  wire        addressed_stb, do_hold, do_address, do_quantity, do_depth, do_single, do_set_first, do_set_less, do_file;
+  wire        do_total_clear, do_total, do_range, do_load, do_literal, do_grant, do_burst, do_offer;
+  wire        in_limit, bytes_fit, over, beyond, too_long, done, fail, waiting, stall, tx_waits;
+  wire [10:0] argument, mode;
   wire [2:0]  space;
   wire [1:0]  what;
-  wire        do_write, keep, mark;
-  wire [3:0]  code, fail_code;
+  wire        do_write, keep, dry, mark, inner, user_done, user_fail;
+  wire [3:0]  code, fail_code, user_code;
+  wire [7:0]  length;
+  wire [15:0] inner_data;
+  reg  [7:0]  status;
+  wire        diag_count, diag_clear, diag_log, diag_write;
+  wire [7:0]  diag_event;
 
   modbus_program #(
-    .FUNCTION_CODES(FUNCTION_CODES), .MAX_READ_BITS(MAX_READ_BITS), .MAX_WRITE_BITS(MAX_WRITE_BITS),
-    .MAX_READ_REGISTERS(MAX_READ_REGISTERS), .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS),
-    .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE)
-  ) u_program (.clk_i(clk_i), .at_i(program_at), .step_o(program_step));
-
-  modbus_dispatch u_dispatch (
-    .clk_i(clk_i), .rst_i(rst_i), .address_i(address_i), .broadcast_en_i(broadcast_en_i), .busy_i(busy_i),
-    .start_i(good_stb), .send_stb_o(send_stb), .quiet_stb_o(quiet_stb), .addressed_stb_o(addressed_stb),
-    .written_stb_o(write_stb_o), .program_at_o(program_at), .program_step_i(program_step),
-    .byte_i(frame_byte), .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at),
-    .clear_o(do_clear), .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put),
-    .hold_o(do_hold), .address_o(do_address), .quantity_o(do_quantity), .single_o(do_single), .range_o(do_range),
-    .load_o(do_load), .grant_o(do_grant), .burst_o(do_burst), .limit_o(limit), .space_o(space), .write_o(do_write), .keep_o(keep), .what_o(what), .mark_o(mark),
-    .code_o(code), .in_limit_i(in_limit), .bytes_fit_i(bytes_fit), .over_i(over), .done_i(done), .fail_i(fail),
-    .fail_code_i(fail_code), .held_i(held)
+    .FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES), .MAX_READ_BITS(MAX_READ_BITS),
+    .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
+    .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
+    .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
+  ) u_program (
+    .clk_i(clk_i), .at_i(program_at), .step_o(program_step), .start_o(program_start), .bad_o(program_bad),
+    .exception_o(program_exception), .reset_o(program_reset)
   );
 
-  modbus_data_access #(.HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK)) u_data_access (
+  modbus_dispatch #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_dispatch (
+    .clk_i(clk_i), .rst_i(rst_i), .address_i(address_i), .broadcast_en_i(broadcast_en_i), .busy_i(busy_i),
+    .failure_i(failure_i), .good_i(good_stb), .bad_i(bad_stb), .long_i(err_long_o), .send_stb_o(send_stb),
+    .quiet_stb_o(quiet_stb), .restart_stb_o(restart), .addressed_stb_o(addressed_stb), .written_stb_o(write_stb_o),
+    .sending_i(tx_waits), .program_at_o(program_at), .program_step_i(program_step), .start_i(program_start),
+    .bad_at_i(program_bad), .exception_i(program_exception), .reset_i(program_reset), .byte_i(frame_byte),
+    .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at), .clear_o(do_clear),
+    .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put), .context_keep_o(do_keep),
+    .context_recall_o(do_recall), .hold_o(do_hold), .address_o(do_address), .quantity_o(do_quantity),
+    .depth_o(do_depth), .single_o(do_single), .set_first_o(do_set_first), .set_less_o(do_set_less),
+    .file_o(do_file), .total_clear_o(do_total_clear), .total_o(do_total), .range_o(do_range), .load_o(do_load),
+    .literal_o(do_literal), .grant_o(do_grant), .burst_o(do_burst), .argument_o(argument), .space_o(space),
+    .write_o(do_write), .keep_o(keep), .dry_o(dry), .what_o(what), .mark_o(mark), .code_o(code),
+    .in_limit_i(in_limit), .bytes_fit_i(bytes_fit), .over_i(over), .beyond_i(beyond), .too_long_i(too_long),
+    .done_i(done), .fail_i(fail), .fail_code_i(fail_code), .held_i(held), .offer_o(do_offer),
+    .user_done_i(user_done), .user_fail_i(user_fail), .user_pass_i(user_pass_i), .user_code_i(user_code),
+    .diag_count_o(diag_count), .diag_clear_o(diag_clear), .diag_log_o(diag_log), .diag_event_o(diag_event),
+    .diag_write_o(diag_write), .mode_o(mode), .listen_only_i(listen_only_o)
+  );
+
+  modbus_data_access #(
+    .HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK), .HAS_INTERNAL(HAS_INTERNAL),
+    .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES)
+  ) u_data_access (
     .clk_i(clk_i), .rst_i(rst_i), .hold_i(do_hold), .address_i(do_address), .quantity_i(do_quantity),
-    .single_i(do_single), .range_i(do_range), .load_i(do_load), .load_what_i(what),
-    .load_flag_i(mark), .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep), .release_i(send_stb),
-    .space_i(space), .limit_i(limit), .code_i(code), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
-    .over_o(over), .done_o(done), .fail_o(fail), .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o),
-    .last_o(grant_last_o), .byte_i(frame_byte), .count_i(count), .put_o(move_put), .data_o(move_data),
-    .step_o(move_step), .waiting_o(waiting), .stall_i(stall), .grant_req_o(grant_req_o),
+    .depth_i(do_depth), .single_i(do_single), .set_first_i(do_set_first), .set_less_i(do_set_less),
+    .file_i(do_file), .total_clear_i(do_total_clear), .total_i(do_total), .range_i(do_range), .load_i(do_load),
+    .load_what_i(what), .load_flag_i(mark), .literal_stb_i(do_literal), .literal_i(argument[7:0]),
+    .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep), .dry_i(dry), .release_i(send_stb | quiet_stb),
+    .space_i(space), .limit_i(argument), .status_i(status), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
+    .over_o(over), .beyond_o(beyond), .too_long_o(too_long), .length_o(length), .done_o(done), .fail_o(fail),
+    .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o), .last_o(grant_last_o), .file_o(grant_file_o),
+    .inner_o(inner), .inner_i(inner_data), .byte_i(frame_byte), .count_i(count), .put_o(move_put),
+    .data_o(move_data), .step_o(move_step), .waiting_o(waiting), .stall_i(stall), .grant_req_o(grant_req_o),
     .grant_write_o(grant_write_o), .grant_ack_i(grant_ack_i), .exception_i(exception_i), .wb_cyc_o(wb_cyc_o),
     .wb_stb_o(wb_stb_o), .wb_we_o(wb_we_o), .wb_adr_o(wb_adr_o), .wb_dat_o(wb_dat_o), .wb_dat_i(wb_dat_i),
     .wb_ack_i(wb_ack_i), .wb_err_i(wb_err_i)
   );
 
+  // What a LOAD step can ask for beside the frame; what is not built in is not looked for.
+  always @* begin
+    status = argument[0] ? {4'd0, code} : count[7:0];
+    if (FUNCTION_CODES[7] && argument[3:0] == `MB_STATUS_EXCEPTION)  status = exception_status_i;
+    if (FUNCTION_CODES[17] && argument[3:0] == `MB_STATUS_RUN)       status = {8{run_indicator_i}};
+    if (FUNCTION_CODES[20] && argument[3:0] == `MB_STATUS_LENGTH)    status = length;
+    if (HAS_DIAGNOSTICS != 0)
+      case (argument[3:0])
+        `MB_STATUS_BUSY: status = {8{busy_i}};
+        `MB_STATUS_HIGH: status = diagnostic_register_o[15:8];
+        `MB_STATUS_LOW:  status = diagnostic_register_o[7:0];
+        `MB_STATUS_LOG:  status = {1'b0, log_count_o};
+        default: ;
+      endcase
+  end
+
+  // The user: he sees the request, appends to the answer, and cannot go beyond the longest PDU.
+  generate
+    if (HAS_USER != 0) begin : gen_user
+      localparam [8:0] FULL = 9'd254;             // address, function code, 252 bytes
+      reg  excess_q;
+      wire full = (count == FULL);
+      always @(posedge clk_i) excess_q <= do_offer & (excess_q | (user_put_i & full));
+      assign user_put  = do_offer & user_put_i & ~full;
+      assign user_fail = do_offer & (user_done_i ? ~user_pass_i & (user_exception_i != 4'd0 || excess_q) : stall);
+      assign user_code = (user_done_i && !excess_q) ? user_exception_i : `MB_EX_DEVICE_FAILURE;
+      assign user_done = user_done_i;
+      assign user_req_o = do_offer;
+      assign user_count_o = kept_count[7:0];
+      assign user_dat_o = frame_byte;
+    end else begin : gen_no_user
+      assign user_put = 1'b0;
+      assign user_fail = 1'b0;
+      assign user_code = 4'd0;
+      assign user_done = 1'b0;
+      assign user_req_o = 1'b0;
+      assign user_count_o = 8'd0;
+      assign user_dat_o = 8'd0;
+    end
+  endgenerate
+
+  // Counters, log, modes
+  wire [15:0] counters_data;
+  wire [7:0]  texts_data;
+
+  generate
+    if (HAS_DIAGNOSTICS != 0) begin : gen_diagnostics
+      modbus_diagnostics u_diagnostics (
+        .clk_i(clk_i), .rst_i(rst_i), .count_i(diag_count), .which_i(argument[4:0]), .clear_i(diag_clear),
+        .log_i(diag_log), .event_i(diag_event), .write_i(diag_write), .listen_i(mode[1]), .active_i(mode[2]),
+        .empty_i(mode[3]), .clear_register_i(mode[4]), .no_overrun_i(mode[5]), .overrun_i(mode[6]),
+        .listen_only_o(listen_only_o), .register_o(diagnostic_register_o), .log_count_o(log_count_o),
+        .read_i(inner), .read_log_i(space[1]), .read_at_i(grant_first_o[5:0]), .data_o(counters_data),
+        .diagnostic_i(diagnostic_i), .counter_stb_i(counter_stb_i), .counter_adr_i(counter_adr_i),
+        .counter_ack_o(counter_ack_o)
+      );
+    end else begin : gen_no_diagnostics
+      reg ack_q = 1'b0;
+      always @(posedge clk_i) ack_q <= counter_stb_i & ~ack_q & ~rst_i;
+      assign listen_only_o = 1'b0;
+      assign diagnostic_register_o = 16'd0;
+      assign log_count_o = 7'd0;
+      assign counters_data = 16'd0;
+      assign counter_ack_o = ack_q;
+    end
+    if (HAS_IDENTITY != 0) begin : gen_identity
+      modbus_identity #(
+        .HAS_OBJECTS(FUNCTION_CODES[43]), .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES),
+        .ADDITIONAL_DATA(ADDITIONAL_DATA), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES),
+        .VENDOR_NAME(VENDOR_NAME), .PRODUCT_CODE(PRODUCT_CODE), .REVISION(REVISION), .VENDOR_URL(VENDOR_URL),
+        .PRODUCT_NAME(PRODUCT_NAME), .MODEL_NAME(MODEL_NAME), .USER_APPLICATION_NAME(USER_APPLICATION_NAME),
+        .PRIVATE_OBJECTS(PRIVATE_OBJECTS), .CONFORMITY(CONFORMITY), .DEVICE_ID_LIMIT(DEVICE_ID_LIMIT)
+      ) u_identity (.clk_i(clk_i), .at_i(grant_first_o[10:0]), .data_o(texts_data));
+    end else begin : gen_no_identity
+      assign texts_data = 8'd0;
+    end
+  endgenerate
+
+  assign counter_dat_o = counters_data;
+  assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : counters_data;
+
   assign grant_space_o = space;
   assign write_space_o = space;
   assign write_first_o = grant_first_o;
   assign write_last_o  = grant_last_o;
+  assign write_file_o  = grant_file_o;
   assign frame_stb_o   = good_stb;
 
   // Answers
-  wire        tx_wait_clear, wait_over, tx_valid, tx_check, tx_ready, tx_waits;
+  wire        tx_wait_clear, wait_over, tx_valid, tx_check, tx_ready;
   wire [11:0] tx_wait_limit;
 
   modbus_frame_tx u_frame_tx (
@@ -227,7 +377,7 @@ module modbus_rtu_core #(
 
   // A stall limit of 0 is no limit.
   modbus_wait u_wait (
-    .clk_i(clk_i), .bit_stb_i(bit_stb), .clear_i(tx_waits ? tx_wait_clear : ~waiting),
+    .clk_i(clk_i), .bit_stb_i(bit_stb), .clear_i(tx_waits ? tx_wait_clear : ~(waiting | user_req_o)),
     .limit_i(tx_waits ? {4'd0, tx_wait_limit} : stall_limit_i), .over_o(wait_over)
   );
 

@@ -12,7 +12,8 @@ module modbus_rtu_slave #(
   parameter integer CLK_HZ              = 50000000,      // clk_i in hertz
   parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
   parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
-  parameter [31:0]  FUNCTION_CODES      = 32'h00C1807E,  // bit n: function code n is built in
+  parameter [63:0]  FUNCTION_CODES      = 64'h0000080001F399FE,  // bit n: function code n is built in
+  parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user first
   parameter integer MAX_READ_BITS       = 2000,          // 1..2000
   parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
   parameter integer MAX_READ_REGISTERS  = 125,           // 1..125
@@ -29,7 +30,23 @@ module modbus_rtu_slave #(
   parameter integer HOLDING_COUNT       = 64,
   parameter integer READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
   parameter integer READ_ONLY_COUNT     = 0,
+  parameter integer FILE_COUNT          = 0,             // files of function codes 14H and 15H, 0..65535; 0: none
+  parameter integer FILE_RECORDS        = 256,           // records of each, 1..10000
   parameter integer OVERLAY             = 0,             // 1: one block of HOLDING_COUNT registers, also as bits
+  parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
+  parameter integer SERVER_ID_BYTES     = 1,             // 1..16
+  parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // what follows the run indicator, right-justified
+  parameter integer ADDITIONAL_DATA_BYTES = 0,           // 0..234
+  parameter [1951:0] VENDOR_NAME        = "VENDOR",      // function code 2BH: objects 00, 01, 02
+  parameter [1951:0] PRODUCT_CODE       = "PRODUCT",
+  parameter [1951:0] REVISION           = "V1.0",
+  parameter [1951:0] VENDOR_URL         = "",            // 03 to 06, not there if empty
+  parameter [1951:0] PRODUCT_NAME       = "",
+  parameter [1951:0] MODEL_NAME         = "",
+  parameter [1951:0] USER_APPLICATION_NAME = "",
+  parameter [4095:0] PRIVATE_OBJECTS    = 4096'd0,       // {object 80H.., length, value}..., right-justified
+  parameter [7:0]   CONFORMITY          = 8'h81,         // 01 02 03 81 82 83
+  parameter integer DEVICE_ID_LIMIT     = 253,           // largest PDU of its answers
   parameter integer ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
 ) (
   input  wire        clk_i,
@@ -52,6 +69,10 @@ module modbus_rtu_slave #(
   input  wire [3:0]  de_lead_i,                  // bit times from driver enable to the start bit
   input  wire [3:0]  de_tail_i,                  // bit times from the last stop bit to driver off
   input  wire        busy_i,                     // 1: exception 06 where nothing else is wrong
+  input  wire [3:0]  failure_i,                  // 0, or the exception code to give instead of execution
+  input  wire [7:0]  exception_status_i,         // function code 07H
+  input  wire        run_indicator_i,            // function code 11H: 1 FFH, 0 00H
+  input  wire [15:0] diagnostic_i,               // bits 15..1 set those of the diagnostic register
   input  wire        write_lock_i,               // 1: every write answers exception 02
 
   // Host side of the RAM: Wishbone B4 classic slave
@@ -64,11 +85,32 @@ module modbus_rtu_slave #(
   output wire        host_ack_o,
   output wire        host_err_o,                 // address outside the tables
 
+  // User functions, see docs/user_functions.md
+  output wire        user_req_o,                 // level until user_done_i or the stall limit: a request for the user
+  output wire [7:0]  user_count_o,               // its bytes, address included, check field not
+  input  wire [7:0]  user_adr_i,                 // which of them
+  output wire [7:0]  user_dat_o,                 // a clock later
+  input  wire        user_put_i,                 // strobe: append a byte to the answer
+  input  wire [7:0]  user_dat_i,
+  input  wire        user_done_i,                // strobe: finished, and how:
+  input  wire        user_pass_i,                //   1: not the user's after all
+  input  wire [3:0]  user_exception_i,           //   0: the answer is complete, else the exception code
+
+  // Diagnostics
+  output wire        listen_only_o,
+  output wire [15:0] diagnostic_register_o,
+  output wire [6:0]  log_count_o,                // entries of the event log, 0..64
+  input  wire        counter_stb_i,              // level until counter_ack_o
+  input  wire [6:0]  counter_adr_i,              // 0AH event counter, 0BH..12H by sub-function, 40H + n log entry
+  output wire [15:0] counter_dat_o,              // valid with counter_ack_o
+  output wire        counter_ack_o,
+
   // Events: strobes of one clock, but alive_o and rx_active_o
   output wire        write_stb_o,                // a write is committed:
   output wire [2:0]  write_space_o,              //   valid with write_stb_o
   output wire [15:0] write_first_o,
   output wire [15:0] write_last_o,
+  output wire [15:0] write_file_o,               //   space 4: file number
   output wire        alive_o,                    // level : a master talks to us
   output wire        rx_active_o,                // level : a frame is being received
   output wire        frame_stb_o,                // good frame, for whomever
@@ -82,34 +124,45 @@ module modbus_rtu_slave #(
 );
 
   // The function codes of a table that does not exist are left out.
-  localparam CODES = FUNCTION_CODES
-                   & ((OVERLAY != 0 || COIL_COUNT != 0) ? 32'hFFFFFFFF : 32'hFFFF7FDD)    // 01 05 0F
-                   & ((OVERLAY != 0 || DISCRETE_COUNT != 0) ? 32'hFFFFFFFF : 32'hFFFFFFFB)    // 02
-                   & ((OVERLAY != 0 || INPUT_COUNT != 0) ? 32'hFFFFFFFF : 32'hFFFFFFEF)    // 04
-                   & ((HOLDING_COUNT != 0) ? 32'hFFFFFFFF : 32'hFF3EFFB7);   // 03 06 10 16 17
+  localparam [63:0] CODES = FUNCTION_CODES
+                   & ~((OVERLAY == 0 && COIL_COUNT == 0)     ? 64'h0000000000008022 : 64'd0)    // 01 05 0F
+                   & ~((OVERLAY == 0 && DISCRETE_COUNT == 0) ? 64'h0000000000000004 : 64'd0)    // 02
+                   & ~((OVERLAY == 0 && INPUT_COUNT == 0)    ? 64'h0000000000000010 : 64'd0)    // 04
+                   & ~((HOLDING_COUNT == 0)                  ? 64'h0000000001C10048 : 64'd0)    // 03 06 10 16 17 18
+                   & ~((FILE_COUNT == 0)                     ? 64'h0000000000300000 : 64'd0);   // 14 15
 
   wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack;
   wire [2:0]  grant_space;
   wire [3:0]  exception;
-  wire [15:0] grant_first, grant_last, wb_write, wb_read;
+  wire [15:0] grant_first, grant_last, grant_file, wb_write, wb_read;
   wire [18:0] wb_adr;
 
   modbus_rtu_core #(
-    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES),
+    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES), .USER_CODES(USER_CODES),
     .MAX_READ_BITS(MAX_READ_BITS), .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
-    .ALIVE_TIMEOUT_MS(ALIVE_TIMEOUT_MS)
+    .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA(ADDITIONAL_DATA),
+    .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .VENDOR_NAME(VENDOR_NAME), .PRODUCT_CODE(PRODUCT_CODE),
+    .REVISION(REVISION), .VENDOR_URL(VENDOR_URL), .PRODUCT_NAME(PRODUCT_NAME), .MODEL_NAME(MODEL_NAME),
+    .USER_APPLICATION_NAME(USER_APPLICATION_NAME), .PRIVATE_OBJECTS(PRIVATE_OBJECTS), .CONFORMITY(CONFORMITY),
+    .DEVICE_ID_LIMIT(DEVICE_ID_LIMIT), .ALIVE_TIMEOUT_MS(ALIVE_TIMEOUT_MS)
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
     .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
     .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i),
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i),
-    .de_tail_i(de_tail_i), .busy_i(busy_i), .grant_req_o(grant_req), .grant_space_o(grant_space),
-    .grant_first_o(grant_first), .grant_last_o(grant_last), .grant_write_o(grant_write),
+    .de_tail_i(de_tail_i), .busy_i(busy_i), .failure_i(failure_i),
+    .exception_status_i(exception_status_i), .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .grant_req_o(grant_req), .grant_space_o(grant_space),
+    .grant_first_o(grant_first), .grant_last_o(grant_last), .grant_write_o(grant_write), .grant_file_o(grant_file),
     .grant_ack_i(grant_ack), .exception_i(exception), .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we),
     .wb_adr_o(wb_adr), .wb_dat_o(wb_write), .wb_dat_i(wb_read), .wb_ack_i(wb_ack), .wb_err_i(1'b0),
+    .user_req_o(user_req_o), .user_count_o(user_count_o), .user_adr_i(user_adr_i), .user_dat_o(user_dat_o),
+    .user_put_i(user_put_i), .user_dat_i(user_dat_i), .user_done_i(user_done_i), .user_pass_i(user_pass_i),
+    .user_exception_i(user_exception_i), .listen_only_o(listen_only_o),
+    .diagnostic_register_o(diagnostic_register_o), .log_count_o(log_count_o), .counter_stb_i(counter_stb_i),
+    .counter_adr_i(counter_adr_i), .counter_dat_o(counter_dat_o), .counter_ack_o(counter_ack_o),
     .write_stb_o(write_stb_o), .write_space_o(write_space_o), .write_first_o(write_first_o),
-    .write_last_o(write_last_o), .alive_o(alive_o), .rx_active_o(rx_active_o), .frame_stb_o(frame_stb_o),
+    .write_last_o(write_last_o), .write_file_o(write_file_o), .alive_o(alive_o), .rx_active_o(rx_active_o), .frame_stb_o(frame_stb_o),
     .err_parity_o(err_parity_o), .err_framing_o(err_framing_o), .err_overrun_o(err_overrun_o),
     .err_crc_o(err_crc_o), .err_short_o(err_short_o), .err_long_o(err_long_o), .err_gap_o(err_gap_o)
   );
@@ -118,11 +171,11 @@ module modbus_rtu_slave #(
     .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
     .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
     .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-    .READ_ONLY_COUNT(READ_ONLY_COUNT), .OVERLAY(OVERLAY)
+    .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS), .OVERLAY(OVERLAY)
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .grant_req_i(grant_req),
     .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
-    .grant_write_i(grant_write), .grant_ack_o(grant_ack), .exception_o(exception), .wb_cyc_i(wb_cyc),
+    .grant_write_i(grant_write), .grant_file_i(grant_file), .grant_ack_o(grant_ack), .exception_o(exception), .wb_cyc_i(wb_cyc),
     .wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write), .wb_dat_o(wb_read),
     .wb_ack_o(wb_ack), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
     .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o),

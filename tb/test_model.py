@@ -5,9 +5,10 @@
 import random
 
 import pytest
-from mbrtu import frames, vectors, wave
-from mbrtu.defs import FORMAT_BY_NAME, FORMATS, Limits, Space
+from mbrtu import build, frames, vectors, wave
+from mbrtu.defs import ALL_FUNCTIONS, FC, FORMAT_BY_NAME, FORMATS, FUNCTIONS, LONGEST_PDU, Limits, Space
 from mbrtu.model import Config, Slave
+from mbrtu.traffic import Traffic
 
 BIT = 1000
 
@@ -18,15 +19,37 @@ def test_crc_of_the_sources(check):
     assert f"{crc:04X}" == check["crc"]
 
 
-@pytest.mark.parametrize("vector", vectors.playable(), ids=lambda v: v["id"])
+def played(vector):
+    """(slave, answer) after everything of its sequence up to `vector`; the slave's user knows the PDM record."""
+    slave = Slave(vectors.config(vector))
+    if vector in vectors.pdm():
+        record = vectors.pdm_record(vector)
+        asked = frames.read(FC.READ_HOLDINGS, 1, 1)
+        slave.config.user_codes = frozenset({FC.READ_HOLDINGS})
+        slave.user = lambda pdu: bytes([FC.READ_HOLDINGS, len(record)]) + record if pdu == asked else None
+    for step in [*vectors.before(vector), vector]:
+        vectors.prepare(slave, step)
+        for _ in range(vectors.repeat(step)):
+            answer = slave.request(vectors.frame(step["request"]))
+    return slave, answer
+
+
+@pytest.mark.parametrize("vector", vectors.playable() + vectors.pdm(), ids=lambda v: v["id"])
 def test_model_answers_as_printed(vector):
-    limits = Limits(**vectors.limits(vector))
-    slave = Slave(Config(address=vector["slave_address"], limits=limits))
-    for key, value in vectors.contents(vector["preconditions"]):
-        slave.memory[key] = value
-    assert slave.request(vectors.frame(vector["request"])) == vectors.frame(vector["expected_response"])
-    for key, value in vectors.contents(vector["postconditions"]):
-        assert slave.memory[key] == value
+    """Answer, memory, all nine counters and the event log."""
+    slave, answer = played(vector)
+    assert answer == vectors.frame(vector["expected_response"])
+    assert not vectors.differences(slave, vector)
+
+
+def test_vectors_are_all_played_or_explained():
+    explained = vectors.unplayable()
+    every = vectors.document()["vectors"]
+    assert len(vectors.playable()) + len(vectors.pdm()) + len(explained) == len(every)
+    assert all(reason for _, reason in explained)
+    few = frozenset((FC.READ_COILS, FC.READ_HOLDINGS))
+    assert {vectors.frame(v["request"])[1] for v in vectors.playable(few) if v["request_check_ok"]} >= few
+    assert len(vectors.unplayable(few)) > len(explained)
 
 
 CHARACTERS = [c for c in vectors.document()["char_checks"] if c["format"] in FORMAT_BY_NAME]
@@ -101,3 +124,67 @@ def test_overlay_is_one_memory():
     assert slave.memory[Space.INPUTS, 2] == 0x8001
     slave.request(frames.adu(17, frames.write_coil(33, True)))
     assert slave.memory[Space.HOLDINGS, 2] == 0x8003
+
+
+def test_a_function_table_without_holes():
+    assert list(FUNCTIONS) == sorted(FC) and ALL_FUNCTIONS == set(FC)
+    assert build.function_mask(ALL_FUNCTIONS) == 0x0000080001F399FE
+    assert {code for code, row in FUNCTIONS.items() if row.broadcast} == {5, 6, 15, 16}
+    assert [code for code, row in FUNCTIONS.items() if not row.counts] == [FC.GET_EVENT_COUNTER]
+    assert all((row.reads or row.writes) == (row.space is not None) for row in FUNCTIONS.values())
+
+
+ITEMS = {
+    "server_id": b"\0\1\2",
+    "additional_data": bytes(5) + b"\xff",
+    "objects": {0: b"A" * 244, 1: b"B", 2: b"\x80C", 4: b"four", 0x80: b"", 0x81: b"private", 0xFF: b"\xff"},
+    "conformity": 0x83,
+    "device_id_limit": 253,
+    "files": (3, 1000),
+    "user_codes": frozenset((65, 72, 100, 127)),
+    "functions": ALL_FUNCTIONS - {FC.DIAGNOSTICS, FC.READ_DEVICE_ID},
+    "tables": {Space.COILS: (3, 4), Space.DISCRETES: (0, 0), Space.INPUTS: (9, 9), Space.HOLDINGS: (65535, 1)},
+    "read_only": (65535, 1),
+    "limits": Limits(read_bits=1000, rw_write=5),
+}
+
+
+@pytest.mark.parametrize("sim", ["icarus", "verilator"])
+def test_parameters_and_back(sim):
+    parameters = build.for_simulator(sim, build.config_parameters(ITEMS))
+    seen = build.model_config("modbus_rtu_slave", parameters)
+    for name, value in ITEMS.items():
+        assert getattr(seen, name) == value, name
+    if sim == "verilator":
+        assert parameters["VENDOR_NAME"] == "1952'h" + "41" * 244
+
+
+def test_defaults_of_the_tops():
+    for top, files in (("slave", (0, 256)), ("slave_io", (0, 256)), ("core", (4, 256))):
+        seen = build.model_config(f"modbus_rtu_{top}", {})
+        assert (seen.files, seen.functions) == (files, ALL_FUNCTIONS)
+        plain = Config()
+        for name in ("server_id", "additional_data", "objects", "conformity", "device_id_limit", "user_codes"):
+            assert getattr(seen, name) == getattr(plain, name), name
+        assert seen.supports(FC.READ_FILE) == (top == "core")
+    assert build.model_config("modbus_rtu_slave", build.REFERENCE).files == Config().files
+
+
+def test_traffic_reaches_everything(seed):
+    """Every function succeeds and is refused, every sub-function is asked for, and the slave wakes up again."""
+    slave = Slave(Config(user_codes=frozenset({65})))
+    slave.user = lambda pdu: pdu
+    traffic = Traffic(random.Random(seed), slave.config, slave)
+    seen, listening = set(), 0
+    for _ in range(6000):
+        line, kind = traffic.line()
+        answer = slave.request(line)
+        listening += slave.listen_only
+        if isinstance(line, bytes) and kind != "foreign" and answer:
+            assert 1 <= len(answer) - 3 <= LONGEST_PDU and frames.check(answer)
+            seen.add((line[1], answer[2] if answer[1] & 0x80 else 0))
+    assert {(code, 0) for code in ALL_FUNCTIONS | {65}} <= seen
+    assert {(code, 3) for code in ALL_FUNCTIONS} <= seen
+    touching = {code for code, row in FUNCTIONS.items() if row.space is not None}
+    assert {(code, 2) for code in touching} <= seen
+    assert 0 < listening < 600

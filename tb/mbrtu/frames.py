@@ -4,7 +4,7 @@
 
 import struct
 
-from .defs import COIL_OFF, COIL_ON, FC
+from .defs import COIL_OFF, COIL_ON, FC, MEI_DEVICE_ID, REFERENCE_TYPE, RESTART_CLEAR, RESTART_KEEP, Sub
 
 CRC_START = 0xFFFF
 CRC_POLYNOMIAL = 0xA001  # x^16 + x^15 + x^2 + 1, least significant bit first
@@ -128,6 +128,53 @@ def read_write(read_address, read_quantity, write_address, words, quantity=None,
     byte_count = (2 * len(words)) & 0xFF if byte_count is None else byte_count
     head = struct.pack(">BHHHHB", FC.READ_WRITE, read_address, read_quantity, write_address, quantity, byte_count)
     return head + pack_words(words)
+
+
+def bare(function, data=b""):
+    """A function code with bytes behind it or none: FC 07, 0B, 0C, 11, user functions."""
+    return bytes([function]) + bytes(data)
+
+
+def diagnostics(sub, *data):
+    """FC 08; `data` are 16-bit words, or bytes objects for odd lengths. A sub-function alone gets 0000."""
+    if not data:
+        data = (0,)
+    body = b"".join(d if isinstance(d, (bytes, bytearray)) else struct.pack(">H", d) for d in data)
+    return struct.pack(">BH", FC.DIAGNOSTICS, sub) + body
+
+
+def restart(clear_log=False):
+    """FC 08, restart communications option."""
+    return diagnostics(Sub.RESTART, RESTART_CLEAR if clear_log else RESTART_KEEP)
+
+
+def read_files(*groups, byte_count=None):
+    """FC 14; a group is (file, first record, quantity) and, if not 6, the reference type."""
+    body = b"".join(_group_head(*group) for group in groups)
+    return bytes([FC.READ_FILE, len(body) & 0xFF if byte_count is None else byte_count]) + body
+
+
+def write_files(*groups, byte_count=None):
+    """FC 15; a group is (file, first record, words) and, if not as it should be, quantity and reference type."""
+    body = b""
+    for file, first, words, *wrong in groups:
+        quantity = wrong[0] if wrong and wrong[0] is not None else len(words)
+        body += _group_head(file, first, quantity, *wrong[1:]) + pack_words(words)
+    return bytes([FC.WRITE_FILE, len(body) & 0xFF if byte_count is None else byte_count]) + body
+
+
+def _group_head(file, first, quantity, reference_type=REFERENCE_TYPE):
+    return struct.pack(">BHHH", reference_type, file, first, quantity)
+
+
+def read_fifo(pointer):
+    """FC 18."""
+    return struct.pack(">BH", FC.READ_FIFO, pointer)
+
+
+def device_identification(code, first=0, mei=MEI_DEVICE_ID):
+    """FC 2B: read device ID code and object id."""
+    return bytes([FC.READ_DEVICE_ID, mei, code, first])
 
 
 def text(frame):

@@ -51,16 +51,30 @@ FIXED_LINE = {  # 8E1, 115200 baud at 50 MHz, address 17, everything optional of
     "de_tail_i": 0,
     "busy_i": 0,
     "write_lock_i": 0,
+    "failure_i": 0,
+    "exception_status_i": 0,
+    "run_indicator_i": 1,
+    "diagnostic_i": 0,
+    "counter_stb_i": 0,
+    "counter_adr_i": 0,
+    "user_adr_i": 0,
+    "user_put_i": 0,
+    "user_dat_i": 0,
+    "user_done_i": 0,
+    "user_pass_i": 0,
+    "user_exception_i": 0,
 }
+USER_OFF = {port: value for port, value in FIXED_LINE.items() if port.startswith("user_")}
 # `basic` sets address, rate and format at run time; the options are tied as most boards tie them.
 OPTIONS_OFF = {port: value for port, value in FIXED_LINE.items() if port not in ("address_i", "bit_time_i", "format_i")}
-# profile -> bank -> (parameters, ties).  The function codes of `basic` are 01-06 0F 10; `default` takes
-# every parameter as the RTL gives it.
+# profile -> bank -> (parameters, ties).  The function codes of `basic` are 01-06 0F 10; `full` has all, with the
+# tables of the live device where they are in RAM.  Outputs that a profile has no use for stay open.
+OPEN = re.compile(r"^(user|counter|log|diagnostic)_\w+_o$|^(listen_only|write_file)_o$")
 PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
     "minimal": {
         "io": (
             {
-                "FUNCTION_CODES": "32'h00010048",
+                "FUNCTION_CODES": "64'h00010048",
                 "COIL_COUNT": "0",
                 "DISCRETE_COUNT": "0",
                 "INPUT_COUNT": "8",
@@ -72,7 +86,7 @@ PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
     "basic": {
         "ram": (
             {
-                "FUNCTION_CODES": "32'h0001807E",
+                "FUNCTION_CODES": "64'h0001807E",
                 "COIL_COUNT": "64",
                 "DISCRETE_COUNT": "64",
                 "INPUT_COUNT": "64",
@@ -80,14 +94,27 @@ PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
             },
             OPTIONS_OFF,
         ),
-        "io": ({"FUNCTION_CODES": "32'h0001807E"}, OPTIONS_OFF),
+        "io": ({"FUNCTION_CODES": "64'h0001807E"}, OPTIONS_OFF),
     },
-    "default": {"ram": ({}, {}), "io": ({}, {})},
+    "full": {
+        "ram": (
+            {
+                "COIL_COUNT": "1024",
+                "DISCRETE_COUNT": "2048",
+                "INPUT_COUNT": "1024",
+                "HOLDING_COUNT": "2048",
+                "FILE_COUNT": "4",
+                "FILE_RECORDS": "256",
+            },
+            USER_OFF,
+        ),
+        "io": ({}, USER_OFF),
+    },
 }
 PROFILE_NOTES = {
     "minimal": "03 06 10, 8 holding + 8 input registers, address, rate and format tied",
     "basic": "01-06 0F 10; address, rate and format set at run time",
-    "default": "01-06 0F 10 16 17, everything else set at run time",
+    "full": "every function code, counters, event log, identity, everything else set at run time; `ram`: the tables of the live device, 4 files of 256 records",
 }
 MARK_BEGIN, MARK_END = "<!-- synth table begin -->", "<!-- synth table end -->"
 
@@ -163,6 +190,8 @@ def wrapper(top: str, parameters: dict[str, str], ties: dict[str, int], ports: d
     clock = next((n for n in ports if re.match(r"clk(_i)?$", n)), None)
     heads, binds, shifted = [], [], 0
     outputs = sum(width for direction, width in ports.values() if direction == "output")
+    kept = sum(width for name, (direction, width) in ports.items() if direction == "output" and not OPEN.match(name))
+    too_many = kept + 8 > PINS
     for name, (direction, width) in ports.items():
         span = f"[{width - 1}:0] " if width > 1 else ""
         if name in ties:
@@ -173,7 +202,9 @@ def wrapper(top: str, parameters: dict[str, str], ties: dict[str, int], ports: d
         elif direction == "input":
             binds.append(f".{name}(shift_q[{shifted} +: {width}])")
             shifted += width
-        elif outputs + 8 <= PINS:
+        elif OPEN.match(name) and outputs + 8 > PINS:
+            binds.append(f".{name}()")
+        elif not too_many:
             heads.append(f"output wire {span}{name}")
             binds.append(f".{name}({name})")
         else:
