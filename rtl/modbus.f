@@ -11,6 +11,8 @@ rtl/modbus_frame_tx.v
 rtl/modbus_program.v
 rtl/modbus_dispatch.v
 rtl/modbus_data_access.v
+rtl/modbus_diagnostics.v
+rtl/modbus_identity.v
 rtl/modbus_wait.v
 rtl/modbus_alive.v
 rtl/modbus_rtu_core.v
@@ -19,3 +21,6 @@ rtl/modbus_bank_ram.v
 rtl/modbus_bank_io.v
 rtl/modbus_rtu_slave.v
 rtl/modbus_rtu_slave_io.v
+rtl/modbus_example_user.v
+rtl/modbus_pdm_record.v
+rtl/modbus_pdm_meter.v

@@ -222,6 +222,7 @@ module modbus_data_access #(
       assign too_long_o = (words_q > MOST_WORDS);
       assign length_o   = {less_one_q[6:0] + 7'd1, 1'b1};
     end else begin : gen_no_files
+      wire unused = file_i | total_clear_i | total_i;
       assign file_o     = 16'd0;
       assign beyond_o   = 1'b0;
       assign too_long_o = 1'b0;

@@ -42,7 +42,7 @@ module modbus_diagnostics (
   output wire [15:0] data_o,
 
   // Host
-  input  wire [15:0] diagnostic_i,   // level : bits 15..1 set those of the register
+  input  wire [15:1] diagnostic_i,   // level : set these bits of the register
   input  wire        counter_stb_i,
   input  wire [6:0]  counter_adr_i,  // counter, or 64 + entry of the log
   output wire        counter_ack_o   // strobe: data_o is the host's
@@ -83,7 +83,7 @@ module modbus_diagnostics (
     if (listen_i) listen_only_q <= 1'b1;
     if (active_i) listen_only_q <= 1'b0;
 
-    register_q[15:1] <= (clear_register_i ? 15'd0 : register_q[15:1]) | diagnostic_i[15:1];
+    register_q[15:1] <= (clear_register_i ? 15'd0 : register_q[15:1]) | diagnostic_i;
     if (overrun_i)                             register_q[0] <= 1'b1;
     else if (no_overrun_i || clear_register_i) register_q[0] <= 1'b0;
 

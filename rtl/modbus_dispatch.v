@@ -3,8 +3,8 @@
 //
 // modbus_dispatch - carries out the steps of modbus_program on the frame in the RAM.
 //
-// Starts with good_i (a good frame, t3.5 over) or bad_i (only to count it).  send_stb_o: count bytes in the frame RAM
-// are the answer; the steps go on beside it.  quiet_stb_o: nothing is sent (not for us, or broadcast).  A step takes
+// Starts with good_i (a good frame for us, t3.5 over), foreign_i or bad_i (only to count it).  send_stb_o: count bytes in the frame RAM
+// are the answer; the steps go on beside it.  quiet_stb_o: nothing is sent.  A step takes
 // two clocks to fetch and one or more to carry out; a step of several clocks has all its decisions in registers,
 // for speed.  Whatever goes wrong becomes one exception code and the EXCEPTION routine, before the next step
 // begins; in a broadcast that routine sends nothing either (V1.02, clause 2.2).
@@ -19,19 +19,18 @@ module modbus_dispatch #(
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
-  input  wire [7:0]  address_i,
-  input  wire        broadcast_en_i,
   input  wire        busy_i,
   input  wire [3:0]  failure_i,      // level : exception code instead of execution, 0: none
 
   // Line
   input  wire        good_i,         // strobe
+  input  wire        broadcast_i,    // level : with good_i
+  input  wire        foreign_i,      // strobe
   input  wire        bad_i,          // strobe
   input  wire        long_i,         // level : with bad_i, more than 256 bytes
   output wire        send_stb_o,     // strobe: send the answer
   output wire        quiet_stb_o,    // strobe: nothing to send
   output wire        restart_stb_o,  // strobe: the line must be silent again
-  output wire        addressed_stb_o,// strobe: a good frame for us or for all
   output wire        written_stb_o,  // strobe: a write is committed; space, first and last address valid
   input  wire        sending_i,      // level : an answer is on its way
 
@@ -39,6 +38,7 @@ module modbus_dispatch #(
   output wire [8:0]  program_at_o,
   input  wire [15:0] program_step_i,
   input  wire [8:0]  start_i,        // constants: where its routines begin
+  input  wire [8:0]  foreign_at_i,
   input  wire [8:0]  bad_at_i,
   input  wire [8:0]  exception_i,
   input  wire [8:0]  reset_i,
@@ -104,7 +104,7 @@ module modbus_dispatch #(
   output wire        diag_log_o,
   output wire [7:0]  diag_event_o,
   output wire        diag_write_o,
-  output wire [10:0] mode_o,         // strobes, see MB_MODE_*
+  output wire [6:1]  mode_o,         // strobes, see MB_MODE_*
   input  wire        listen_only_i
 );
 
@@ -126,14 +126,14 @@ module modbus_dispatch #(
   reg        arrived_q;              // the cursor was at the place a clock ago: a walk goes every other clock
   reg        finished_q;             // bank, burst or user ended a clock ago
   reg        count_held_q;           // count was the held byte a clock ago
+  reg        zero_q;                 // the byte was 0 a clock ago
   reg        same_q;                 // the byte was the held one or the literal a clock ago
   reg        holds_q;                // the condition of IF held a clock ago
 
-  wire is_addressed  = is_q[`MB_STEP_ADDRESSED];
   wire is_function   = is_q[`MB_STEP_FUNCTION];
   wire is_jump       = is_q[`MB_STEP_JUMP];
   wire is_if         = is_q[`MB_STEP_IF] & (HAS_MORE_STEPS != 0);
-  wire is_rest       = is_q[`MB_STEP_REST] & (HAS_DIAGNOSTICS != 0);
+  wire is_rest       = is_q[`MB_STEP_REST];
   wire is_address    = is_q[`MB_STEP_ADDRESS];
   wire is_quantity   = is_q[`MB_STEP_QUANTITY];
   wire is_depth      = is_q[`MB_STEP_DEPTH] & (HAS_FIFO != 0);
@@ -165,16 +165,6 @@ module modbus_dispatch #(
   wire third  = (phase_q == 2'd2);
   wire fourth = (phase_q == 2'd3);
 
-  // Address byte: 1..247 can be ours, 0 is for all, 248..255 is reserved (V1.02, clause 2.2)
-  reg  zero_q, match_q;              // about the byte a clock ago
-  wire for_all = zero_q & broadcast_en_i;
-  wire for_us  = match_q & ~zero_q & (address_i[7:3] != 5'h1F);
-
-  always @(posedge clk_i) begin
-    zero_q  <= (byte_i == 8'h00);
-    match_q <= (byte_i == address_i);
-  end
-
   // ------------------------------------------------------------------ what can be wrong with a request
 
   wire coil_value  = zero_q & (held_i == 8'h00 || (held_i == 8'hFF && !argument[0]));
@@ -197,15 +187,12 @@ module modbus_dispatch #(
 
   // A step that looks at fields or places takes four clocks, the others one or as long as it takes.
   wire fields = is_address | is_quantity | is_depth | is_file | is_coil | is_byte_count;
-  wire over   = ((is_addressed | fields | is_range | is_load | is_put | is_total) & fourth)
+  wire over   = ((fields | is_range | is_load | is_put | is_total) & fourth)
               | ((is_if | is_match | is_count | is_log) & second)
               | ((is_grant | is_burst | is_offer) & finished_q) | (is_walk & phase_q[0] & arrived_q)
               | (is_mode & ~(argument[0] & sending_i))
               | is_function | is_jump | is_end | is_space | is_set | is_point | is_context | is_literal | is_send
               | is_rest;
-  wire foreign = is_addressed & second & ~for_all & ~for_us;
-  wire send    = is_send & ~broadcast_q;
-  wire ends    = is_rest | (is_send & argument[6]);
 
   // Whether a step of diagnostics applies
   wire answered_code = (code_q != 4'd0) & ~broadcast_q;
@@ -252,7 +239,7 @@ module modbus_dispatch #(
     count_held_q <= (count_i == {1'b0, held_i});
     holds_q      <= holds;
     same_q       <= is_offer ? user_pass_i : (byte_i == argument[7:0]);
-    if (is_addressed && second) broadcast_q <= for_all;
+    zero_q       <= (byte_i == 8'h00);
 
     raise_q <= bad_value | bad_address | unready | unmatched | illegal | fail_i | user_fail;
     if (!run_q)             code_q <= 4'd0;
@@ -264,7 +251,7 @@ module modbus_dispatch #(
     else if (bad_value)     code_q <= `MB_EX_ILLEGAL_DATA_VALUE;
     else if (illegal)       code_q <= `MB_EX_ILLEGAL_FUNCTION;
 
-    if (!run_q)           at_q <= (HAS_DIAGNOSTICS != 0 && bad_i) ? bad_at_i : start_i;
+    if (!run_q)           at_q <= (HAS_DIAGNOSTICS == 0 || good_i) ? start_i : foreign_i ? foreign_at_i : bad_at_i;
     else if (raise_q)     at_q <= exception_i;
     else if (is_function) at_q <= argument[8:0] | {4'd0, entry};
     else if (taken)       at_q <= argument[8:0];
@@ -272,9 +259,9 @@ module modbus_dispatch #(
 
     if (!run_q) begin
       long_q      <= long_i;
-      broadcast_q <= 1'b0;
+      broadcast_q <= broadcast_i;
     end
-    run_q <= run_q ? ~(foreign | ends) : good_i | (HAS_DIAGNOSTICS != 0 && bad_i);
+    run_q <= run_q ? ~is_rest : good_i | (HAS_DIAGNOSTICS != 0 && (foreign_i || bad_i));
     if (rst_i) begin
       run_q     <= (HAS_DIAGNOSTICS != 0);       // to clear the counters
       if (HAS_DIAGNOSTICS != 0) at_q <= reset_i;
@@ -287,15 +274,14 @@ module modbus_dispatch #(
   // ------------------------------------------------------------------ what the step does
 
   wire consume = (fields & first) | (fields & second & (~is_byte_count | argument[0]))
-               | (is_addressed & first) | is_function | (is_match & second);
+               | is_function | (is_match & second);
   wire walk    = is_walk & phase_q[0] & ~arrived_q;
   wire placed  = is_put & second;
   wire here    = argument[6];
 
-  assign send_stb_o      = send;
-  assign quiet_stb_o     = foreign | (ends & ~send & ~sending_i);
-  assign restart_stb_o   = mode_o[7];
-  assign addressed_stb_o = is_addressed & second & (for_all | for_us);
+  assign send_stb_o      = is_send & ~broadcast_q;
+  assign quiet_stb_o     = is_rest & ~sending_i;
+  assign restart_stb_o   = is_mode & over & argument[7];
   assign written_stb_o   = is_range & fourth & argument[2];
   assign program_at_o    = at_q;
 
@@ -345,8 +331,7 @@ module modbus_dispatch #(
                       | {1'b0, argument[8] & broadcast_q, listen_only_i, argument[10] & long_q,
                          sent & {4{argument[9] & ~broadcast_q}}};
   assign diag_write_o = second;
-  assign mode_o = {11{is_mode & over}} & argument
-                & {4'hF, long_q, 2'b11, held_i[0], 3'b111};
+  assign mode_o = {6{is_mode & over}} & argument[6:1] & {long_q, 2'b11, held_i[0], 2'b11};
 
 endmodule
 

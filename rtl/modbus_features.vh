@@ -3,6 +3,8 @@
 //
 // modbus_features - what FUNCTION_CODES and USER_CODES ask for; included inside a module that has these parameters.
 
+// Not every module uses each of them:
+// verilator lint_off UNUSED
 localparam integer HAS_BITS   = ((FUNCTION_CODES & 64'h0000000000008026) != 0) ? 1 : 0;   // 01 02 05 0F
 localparam integer HAS_WORDS  = ((FUNCTION_CODES & ~64'h0000000000008026) != 0) ? 1 : 0;  // all others
 localparam integer HAS_MASK   = ((FUNCTION_CODES & 64'h0000000000400000) != 0) ? 1 : 0;   // 16
@@ -20,3 +22,4 @@ localparam integer HAS_INTERNAL = HAS_DIAGNOSTICS | HAS_IDENTITY;       // space
 localparam integer HAS_LITERALS = HAS_INTERNAL | HAS_FILES | HAS_FIFO;
 // Steps above 15
 localparam integer HAS_MORE_STEPS = HAS_LITERALS | HAS_USER;
+// verilator lint_on UNUSED

@@ -73,8 +73,15 @@ module modbus_frame_ram #(
       assign kept_cursor = kept_cursor_q;
       assign kept_count  = kept_count_q;
     end else begin : gen_no_context
+      wire unused = keep_i;
       assign kept_cursor = 9'd0;
       assign kept_count  = 9'd0;
+    end
+  endgenerate
+
+  generate
+    if (HAS_UPPER == 0) begin : gen_one_half
+      wire unused = read_at[8];
     end
   endgenerate
 

@@ -6,9 +6,10 @@
 // MODBUS over Serial Line V1.02, figure 14, completed: a frame is what lies between two silences of t3.5.  It is good
 // when every character was, no gap inside passed t1.5, it has 4..256 bytes and the CRC remainder is zero.
 // Bad frames are dropped whole; nothing in them is looked at.  With gap_count_only_i a gap above t1.5 is reported
-// and the frame goes on.
+// and the frame goes on.  A good frame is for us if its address byte is ours (1..247) or, with broadcast_en_i, 0; a
+// foreign one is only told of.
 //
-// good_stb_o starts the work on a frame; until done_stb_i characters on the line are ignored (err_overrun_o: a
+// good_stb_o starts the work on a frame for us; until done_stb_i characters on the line are ignored (err_overrun_o: a
 // master did not wait).  Behind an answer the next request may follow at once, or with strict_i only after t3.5; behind
 // a silent end only characters heard meanwhile make it wait for t3.5.  The other error strobes rise with the verdict, all that apply; CRC only when
 // nothing else explains it.
@@ -20,10 +21,13 @@ module modbus_frame_rx (
   input  wire       rst_i,
   input  wire       gap_count_only_i,
   input  wire       strict_i,        // level : strict turnaround
+  input  wire [7:0] address_i,
+  input  wire       broadcast_en_i,
 
   // Characters
   input  wire       start_stb_i,
   input  wire       char_stb_i,
+  input  wire [7:0] data_i,
   input  wire       parity_error_i,
   input  wire       framing_error_i,
   input  wire       crc_zero_i,
@@ -36,7 +40,9 @@ module modbus_frame_rx (
   output wire       store_stb_o,     // strobe: the character belongs under the cursor, a clock after char_stb_i
 
   // Verdict
-  output wire       good_stb_o,      // strobe: good frame complete, t3.5 has passed
+  output wire       good_stb_o,      // strobe: good frame for us complete, t3.5 has passed
+  output wire       broadcast_o,     // level : with good_stb_o, it is for all
+  output wire       foreign_stb_o,   // strobe: good frame for somebody else
   output wire       bad_stb_o,       // strobe: bad one
   input  wire       restart_i,       // strobe: silence of t3.5 before anything is heard again
   input  wire       done_stb_i,      // strobe: the frame was dealt with
@@ -58,6 +64,7 @@ module modbus_frame_rx (
   reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
   reg       heard_q = 1'b0;          // a character came while we worked
   reg       store_q = 1'b0;
+  reg       ours_q = 1'b0, all_q = 1'b0;     // whom the first byte names
 
   wire reception = (state_q == ST_RECEPTION);
   wire full      = count_i[8];
@@ -67,6 +74,10 @@ module modbus_frame_rx (
   wire heard     = heard_q | start_stb_i;
   wire verdict   = reception & t35_i;
   wire good      = verdict & ~broken & crc_zero_i;
+  // 1..247 can be ours, 0 is for all, 248..255 is reserved (V1.02, clause 2.2).
+  wire none      = (data_i == 8'h00);
+  wire ours      = (data_i == address_i) & ~none & (address_i[7:3] != 5'h1F);
+  wire for_us    = ours_q | all_q;
 
   assign open_stb_o  = (state_q == ST_IDLE) & start_stb_i;
   assign store_stb_o = store_q;
@@ -79,7 +90,7 @@ module modbus_frame_rx (
       // Silent: the next character is the first of a frame.
       ST_IDLE: if (start_stb_i) state_d = ST_RECEPTION;
       // Characters of one frame, until t3.5 of silence.
-      ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
+      ST_RECEPTION: if (verdict) state_d = (good & for_us) ? ST_WORK : ST_IDLE;
       // The frame is worked on and answered.
       ST_WORK: if (done_stb_i) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
     endcase
@@ -100,12 +111,18 @@ module modbus_frame_rx (
         parity_q  <= parity_q  | parity_error_i;
         framing_q <= framing_q | framing_error_i;
         long_q    <= long_q    | full;
+        if (count_i == 9'd0) begin
+          ours_q <= ours;
+          all_q  <= none & broadcast_en_i;
+        end
       end
     end
     if (rst_i || restart_i) state_q <= ST_INITIAL;
   end
 
-  assign good_stb_o    = good;
+  assign good_stb_o    = good & for_us;
+  assign broadcast_o   = all_q;
+  assign foreign_stb_o = good & ~for_us;
   assign bad_stb_o     = verdict & ~good;
   assign active_o      = reception;
   assign err_parity_o  = verdict & parity_q;
@@ -120,6 +137,7 @@ module modbus_frame_rx (
   reg       f_past = 1'b0;
   reg       f_clean = 1'b0;          // no character of this frame was faulty
   reg [8:0] f_stored = 9'd0;         // characters stored
+  reg       f_for_us = 1'b0;         // the first of them is our address or the broadcast's
   wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
 
   always @(posedge clk_i) begin
@@ -130,6 +148,8 @@ module modbus_frame_rx (
     end else begin
       if (char_stb_i && (parity_error_i || framing_error_i)) f_clean <= 1'b0;
       if (store_stb_o) f_stored <= f_stored + 9'd1;
+      if (reception && char_stb_i && f_stored == 9'd0)
+        f_for_us <= (data_i == 8'd0) ? broadcast_en_i : data_i == address_i && data_i <= 8'd247;
     end
   end
 
@@ -152,7 +172,10 @@ module modbus_frame_rx (
       assert (!long_q);
       assert (!(f_error && !err_gap_o));
     end
-    if (verdict) assert (good_stb_o || f_error);             // every frame is accounted for
+    if (verdict) assert (good_stb_o || foreign_stb_o || f_error);   // every frame is accounted for
+    assert (!(good_stb_o && foreign_stb_o));
+    if (foreign_stb_o) assert (f_clean && crc_zero_i && !f_for_us);
+    if (good_stb_o) assert (f_for_us);
     if (store_stb_o) assert (f_stored < 9'd256 && reception && !char_stb_i);
     assert (!(good_stb_o && done_stb_i && state_q == ST_WORK));
     if ($past(good_stb_o) && !$past(rst_i)) assert (state_q == ST_WORK);

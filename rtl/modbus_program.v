@@ -32,6 +32,7 @@ module modbus_program #(
 
   // Constants: where routines begin that modbus_dispatch itself goes to
   output wire [8:0]  start_o,     // a good frame
+  output wire [8:0]  foreign_o,   // a good one for somebody else
   output wire [8:0]  bad_o,       // a bad one
   output wire [8:0]  exception_o, // a step went wrong
   output wire [8:0]  reset_o
@@ -60,7 +61,7 @@ module modbus_program #(
                    AT_AND_MASK = 5'd4, AT_OR_MASK = 5'd6, AT_MASK_END = 5'd8,
                    AT_RW_WRITE = 5'd6, AT_RW_DATA = 5'd11,
                    AT_SCRATCH = 5'd8,  // behind the PDU of function code 16H
-                   AT_FRAME = 5'd0, AT_FUNCTION = 5'd1, AT_CODE = 5'd2, AT_BYTE_COUNT = 5'd2, AT_READ_DATA = 5'd3,
+                   AT_FRAME = 5'd0, AT_CHECKED = 5'd2, AT_FUNCTION = 5'd1, AT_CODE = 5'd2, AT_BYTE_COUNT = 5'd2, AT_READ_DATA = 5'd3,
                    AT_STATUS_END = 5'd3, AT_GROUPS = 5'd3,
                    AT_SUB = 5'd2, AT_WORD = 5'd4,
                    AT_EVENTS = 5'd5, AT_LOG = 5'd9, AT_LOG_SCRATCH = 5'd14,
@@ -93,14 +94,15 @@ module modbus_program #(
     TABLE           = 0,
     SUB_TABLE       = 32,
     START           = SUB_TABLE       + 32 * FUNCTION_CODES[8],
-    EXCEPTION       = START           + 6 + C + 4 * D + 9 * U,
+    EXCEPTION       = START           + 4 + 2 * C + 4 * D + 9 * U,
     SENDING         = EXCEPTION       + 6 + D,
     TAIL            = SENDING         + 1,
     DONE            = TAIL            + 6 * D,
-    ECHO            = DONE            + D,
+    ECHO            = DONE            + 1,
     ANSWER          = ECHO            + 3,
     BAD             = ANSWER          + 5,
-    CLEARING        = BAD             + 5 * D,
+    FOREIGN         = BAD             + 5 * D,
+    CLEARING        = FOREIGN         + 2 * D,
     LISTENING       = CLEARING        + 10 * D,
     RESTART         = LISTENING       + 9 * D,
     USER_SEND       = RESTART         + 3 * D,
@@ -174,7 +176,7 @@ module modbus_program #(
     when = {`MB_STEP_IF, condition, target};
   endfunction
   function [15:0] send(input [4:0] half);
-    send = at(`MB_STEP_SEND, half, (D != 0) ? NO_FLAG : `MB_FLAG_LAST);
+    send = at(`MB_STEP_SEND, half, NO_FLAG);
   endfunction
   function [15:0] address(input [2:0] space);
     address = {`MB_STEP_ADDRESS, `MB_FLAG_SPACE | {8'd0, space}};
@@ -242,15 +244,16 @@ module modbus_program #(
       else if (n < ECHO)             content = REST;
       else if (n < ANSWER)           content = echo(n - ECHO, AT_VALUE_END);
       else if (n < BAD)              content = answer(n - ANSWER);
-      else if (n < CLEARING)         content = bad(n - BAD);
+      else if (n < FOREIGN)          content = bad(n - BAD);
+      else if (n < CLEARING)         content = foreign(n - FOREIGN);
       else if (n < LISTENING)        content = clearing(n - CLEARING);
       else if (n < RESTART)          content = listening(n - LISTENING);
       else if (n < USER_SEND)        content = restart(n - RESTART);
       else if (n < READ_COILS)       content = user_send(n - USER_SEND);
-      else if (n < READ_DISCRETES)   content = in_space(n - READ_COILS, COILS, READ_BITS);
-      else if (n < READ_HOLDINGS)    content = in_space(n - READ_DISCRETES, DISCRETES, READ_BITS);
-      else if (n < READ_INPUTS)      content = in_space(n - READ_HOLDINGS, HOLDINGS, READ_WORDS);
-      else if (n < READ_BITS)        content = in_space(n - READ_INPUTS, INPUTS, READ_WORDS);
+      else if (n < READ_DISCRETES)   content = in_space(n - READ_COILS, COILS, READ_BITS[8:0]);
+      else if (n < READ_HOLDINGS)    content = in_space(n - READ_DISCRETES, DISCRETES, READ_BITS[8:0]);
+      else if (n < READ_INPUTS)      content = in_space(n - READ_HOLDINGS, HOLDINGS, READ_WORDS[8:0]);
+      else if (n < READ_BITS)        content = in_space(n - READ_INPUTS, INPUTS, READ_WORDS[8:0]);
       else if (n < READ_WORDS)       content = read_bits(n - READ_BITS);
       else if (n < READ)             content = plain(`MB_STEP_QUANTITY, MAX_READ_REGISTERS[10:0]);
       else if (n < WRITE_COIL)       content = read(n - READ);
@@ -289,10 +292,17 @@ module modbus_program #(
 
   initial for (i = 0; i < DEPTH; i = i + 1) memory[i] = content(i);
 
+  generate
+    if (DEPTH <= 256) begin : gen_short
+      wire unused = at_i[8];
+    end
+  endgenerate
+
   always @(posedge clk_i) step_q <= memory[at_i[$clog2(DEPTH)-1:0]];
 
   assign step_o      = step_q;
   assign start_o     = START[8:0];
+  assign foreign_o   = FOREIGN[8:0];
   assign bad_o       = BAD[8:0];
   assign exception_o = EXCEPTION[8:0];
   assign reset_o     = CLEARING[8:0];

@@ -3,22 +3,24 @@
 //
 // modbus_routines_frame - what is done with every frame; part of modbus_program.
 
-// For us?  The two check bytes leave the count before the fields are taken.  k skips what is left out.
+// A good frame for us.  The two check bytes leave the count, then the address; k skips what is left out.
 function [15:0] start(input integer n);
   integer k;
   begin
     k = n;
     if (D == 0) k = k + 1;
+    if (C == 0 && k >= 2) k = k + 1;
     if (C == 0 && k >= 4) k = k + 1;
     if (D == 0 && k >= 6) k = k + 3;
     if (U == 0 && k >= 9) k = k + 9;
     case (k)
       0: start = count(`MB_CPT_BUS_MESSAGE, `MB_WHEN_ALWAYS);
       1: start = at(`MB_STEP_POINT, AT_FRAME, NO_FLAG);
-      2: start = at(`MB_STEP_WALK, 5'd2, NO_FLAG);
-      3: start = at(`MB_STEP_POINT, AT_FRAME, NO_FLAG);
+      // with a context: the whole request is kept
+      2: start = at(`MB_STEP_WALK, AT_CHECKED, NO_FLAG);
+      3: start = (C == 0) ? at(`MB_STEP_WALK, AT_CHECKED + AT_FUNCTION, NO_FLAG) : at(`MB_STEP_POINT, AT_FRAME, NO_FLAG);
       4: start = SAVE;
-      5: start = plain(`MB_STEP_ADDRESSED, NO_FLAG);
+      5: start = (C == 0) ? at(`MB_STEP_POINT, AT_FUNCTION, NO_FLAG) : at(`MB_STEP_WALK, AT_FUNCTION, NO_FLAG);
       6: start = count(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS);
       7: start = plain(`MB_STEP_LOG, `MB_FLAG_BROADCAST | 11'h080);
       8: start = when(`MB_IF_LISTENING, LISTENING[8:0]);
@@ -91,6 +93,11 @@ function [15:0] bad(input integer n);
     3: bad = plain(`MB_STEP_LOG, `MB_FLAG_LONG | 11'h082);
     default: bad = REST;
   endcase
+endfunction
+
+// A good frame for somebody else: likewise
+function [15:0] foreign(input integer n);
+  foreign = (n == 0) ? count(`MB_CPT_BUS_MESSAGE, `MB_WHEN_ALWAYS) : REST;
 endfunction
 
 // All counters to 0

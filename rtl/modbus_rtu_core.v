@@ -171,16 +171,17 @@ module modbus_rtu_core #(
   );
 
   // Frames
-  wire       open_stb, store_stb, good_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
+  wire       open_stb, store_stb, good_stb, broadcast, foreign_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
   wire [8:0] count;
   wire [3:0] cursor;
   wire [7:0] frame_byte, held;
 
   modbus_frame_rx u_frame_rx (
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(gap_count_only_i), .strict_i(strict_turnaround_i),
+    .address_i(address_i), .broadcast_en_i(broadcast_en_i), .data_i(rx_data),
     .start_stb_i(start_stb), .char_stb_i(char_stb), .parity_error_i(parity_error), .framing_error_i(framing_error),
     .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .count_i(count), .open_stb_o(open_stb), .store_stb_o(store_stb),
-    .good_stb_o(good_stb), .bad_stb_o(bad_stb), .restart_i(restart), .done_stb_i(quiet_stb | sent_stb), .answered_i(sent_stb),
+    .good_stb_o(good_stb), .broadcast_o(broadcast), .foreign_stb_o(foreign_stb), .bad_stb_o(bad_stb), .restart_i(restart), .done_stb_i(quiet_stb | sent_stb), .answered_i(sent_stb),
     .active_o(rx_active_o), .err_parity_o(err_parity_o), .err_framing_o(err_framing_o),
     .err_overrun_o(err_overrun_o), .err_crc_o(err_crc_o), .err_short_o(err_short_o), .err_long_o(err_long_o),
     .err_gap_o(err_gap_o)
@@ -211,12 +212,13 @@ module modbus_rtu_core #(
   );
 
   // Requests
-  wire [8:0]  program_at, program_start, program_bad, program_exception, program_reset;
+  wire [8:0]  program_at, program_start, program_foreign, program_bad, program_exception, program_reset;
   wire [15:0] program_step;
-  wire        addressed_stb, do_hold, do_address, do_quantity, do_depth, do_single, do_set_first, do_set_less, do_file;
+  wire        do_hold, do_address, do_quantity, do_depth, do_single, do_set_first, do_set_less, do_file;
   wire        do_total_clear, do_total, do_range, do_load, do_literal, do_grant, do_burst, do_offer;
   wire        in_limit, bytes_fit, over, beyond, too_long, done, fail, waiting, stall, tx_waits;
-  wire [10:0] argument, mode;
+  wire [10:0] argument;
+  wire [6:1]  mode;
   wire [2:0]  space;
   wire [1:0]  what;
   wire        do_write, keep, dry, mark, inner, user_done, user_fail;
@@ -233,16 +235,16 @@ module modbus_rtu_core #(
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
     .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
   ) u_program (
-    .clk_i(clk_i), .at_i(program_at), .step_o(program_step), .start_o(program_start), .bad_o(program_bad),
-    .exception_o(program_exception), .reset_o(program_reset)
+    .clk_i(clk_i), .at_i(program_at), .step_o(program_step), .start_o(program_start),
+    .foreign_o(program_foreign), .bad_o(program_bad), .exception_o(program_exception), .reset_o(program_reset)
   );
 
   modbus_dispatch #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_dispatch (
-    .clk_i(clk_i), .rst_i(rst_i), .address_i(address_i), .broadcast_en_i(broadcast_en_i), .busy_i(busy_i),
-    .failure_i(failure_i), .good_i(good_stb), .bad_i(bad_stb), .long_i(err_long_o), .send_stb_o(send_stb),
-    .quiet_stb_o(quiet_stb), .restart_stb_o(restart), .addressed_stb_o(addressed_stb), .written_stb_o(write_stb_o),
+    .clk_i(clk_i), .rst_i(rst_i), .busy_i(busy_i), .failure_i(failure_i), .good_i(good_stb),
+    .broadcast_i(broadcast), .foreign_i(foreign_stb), .bad_i(bad_stb), .long_i(err_long_o), .send_stb_o(send_stb),
+    .quiet_stb_o(quiet_stb), .restart_stb_o(restart), .written_stb_o(write_stb_o),
     .sending_i(tx_waits), .program_at_o(program_at), .program_step_i(program_step), .start_i(program_start),
-    .bad_at_i(program_bad), .exception_i(program_exception), .reset_i(program_reset), .byte_i(frame_byte),
+    .foreign_at_i(program_foreign), .bad_at_i(program_bad), .exception_i(program_exception), .reset_i(program_reset), .byte_i(frame_byte),
     .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at), .clear_o(do_clear),
     .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put), .context_keep_o(do_keep),
     .context_recall_o(do_recall), .hold_o(do_hold), .address_o(do_address), .quantity_o(do_quantity),
@@ -306,7 +308,9 @@ module modbus_rtu_core #(
       assign user_req_o = do_offer;
       assign user_count_o = kept_count[7:0];
       assign user_dat_o = frame_byte;
+      wire unused = kept_count[8];
     end else begin : gen_no_user
+      wire unused = &{1'b0, user_put_i, user_done_i, user_exception_i, do_offer, kept_count};
       assign user_put = 1'b0;
       assign user_fail = 1'b0;
       assign user_code = 4'd0;
@@ -329,10 +333,11 @@ module modbus_rtu_core #(
         .empty_i(mode[3]), .clear_register_i(mode[4]), .no_overrun_i(mode[5]), .overrun_i(mode[6]),
         .listen_only_o(listen_only_o), .register_o(diagnostic_register_o), .log_count_o(log_count_o),
         .read_i(inner), .read_log_i(space[1]), .read_at_i(grant_first_o[5:0]), .data_o(counters_data),
-        .diagnostic_i(diagnostic_i), .counter_stb_i(counter_stb_i), .counter_adr_i(counter_adr_i),
+        .diagnostic_i(diagnostic_i[15:1]), .counter_stb_i(counter_stb_i), .counter_adr_i(counter_adr_i),
         .counter_ack_o(counter_ack_o)
       );
     end else begin : gen_no_diagnostics
+      wire unused = &{1'b0, diagnostic_i, counter_adr_i, mode, diag_count, diag_clear, diag_log, diag_write, diag_event, inner};
       reg ack_q = 1'b0;
       always @(posedge clk_i) ack_q <= counter_stb_i & ~ack_q & ~rst_i;
       assign listen_only_o = 1'b0;
@@ -354,6 +359,8 @@ module modbus_rtu_core #(
     end
   endgenerate
 
+  wire unused_bit = diagnostic_i[0];                  // the overrun flag is the core's own
+
   assign counter_dat_o = counters_data;
   assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : counters_data;
 
@@ -362,7 +369,7 @@ module modbus_rtu_core #(
   assign write_first_o = grant_first_o;
   assign write_last_o  = grant_last_o;
   assign write_file_o  = grant_file_o;
-  assign frame_stb_o   = good_stb;
+  assign frame_stb_o   = good_stb | foreign_stb;
 
   // Answers
   wire        tx_wait_clear, wait_over, tx_valid, tx_check, tx_ready;
@@ -392,7 +399,7 @@ module modbus_rtu_core #(
   assign de_o = drive;
 
   modbus_alive #(.CLK_HZ(CLK_HZ), .TIMEOUT_MS(ALIVE_TIMEOUT_MS)) u_alive (
-    .clk_i(clk_i), .rst_i(rst_i), .frame_stb_i(addressed_stb), .alive_o(alive_o)
+    .clk_i(clk_i), .rst_i(rst_i), .frame_stb_i(good_stb), .alive_o(alive_o)
   );
 
 `ifdef FORMAL
@@ -402,16 +409,18 @@ module modbus_rtu_core #(
   reg f_ours = 1'b0;                 // its address byte is ours or 0
   reg f_write_granted = 1'b0;        // the bank agreed to a write in it
   reg f_granted = 1'b0;              // the bank agreed to an access
-  reg f_own = 1'b0, f_zero = 1'b0;   // about the byte under the cursor a clock ago
+  reg f_first = 1'b0;                // the first byte received is ours or 0
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
-    f_own  <= (frame_byte == address_i);
-    f_zero <= (frame_byte == 8'd0);
+    if (char_stb && count == 9'd0)
+      f_first <= (rx_data == 8'd0) ? broadcast_en_i : rx_data == address_i && rx_data <= 8'd247;
     if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
     else begin
-      if (good_stb) f_good <= crc_zero & (count >= 9'd4) & t35;
-      if (addressed_stb) f_ours <= f_own | (f_zero & broadcast_en_i);
+      if (good_stb) begin
+        f_good <= crc_zero & (count >= 9'd4) & t35;
+        f_ours <= f_first;
+      end
       if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
         f_granted <= 1'b1;
         if (grant_write_o) f_write_granted <= 1'b1;

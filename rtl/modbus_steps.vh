@@ -7,8 +7,8 @@
 `ifndef MODBUS_STEPS_VH
 `define MODBUS_STEPS_VH
 
-// Whom, and where to go on
-`define MB_STEP_ADDRESSED  5'd0   // end here unless the byte under the cursor is our address or broadcast
+// Where to go on
+`define MB_STEP_REST       5'd0   // the frame is dealt with
 `define MB_STEP_FUNCTION   5'd1   // go to the entry of the byte under the cursor in a table of 32; WIDE flag: with
                                    // function code 2BH. Entry 1EH is that of 2BH, 1FH that of all others
 `define MB_STEP_JUMP       5'd2   // argument[8:0]: where; argument[10:9]: what must be, see MB_JUMP_*
@@ -32,8 +32,7 @@
 `define MB_STEP_WALK       5'd12  // cursor up to the place; count down with it, with the UP flag up
 `define MB_STEP_LOAD       5'd13  // argument[8:7]: what, see MB_LOAD_*, from the place; held for PUT
 `define MB_STEP_PUT        5'd14  // the held byte to the place, with the HERE flag under the cursor; cursor and count up
-`define MB_STEP_SEND       5'd15  // send count bytes from the start of the half, check field behind; not in a broadcast.
-                                   // LAST flag: the frame is dealt with
+`define MB_STEP_SEND       5'd15  // send count bytes from the start of the half, check field behind; not in a broadcast
 
 // What the functions up to 06, 0F, 10, 16 and 17 can do without; where only they are built in, nothing decodes these.
 `define MB_STEP_IF         5'd16  // argument[8:0]: where, if argument[10:9], see MB_IF_*, holds
@@ -49,7 +48,6 @@
 `define MB_STEP_COUNT      5'd26  // counter argument[4:0] up, with the CLEAR flag to 0, if argument[8:6], see MB_WHEN_*, holds
 `define MB_STEP_LOG        5'd27  // event argument[7:0] and what the flags add
 `define MB_STEP_MODE       5'd28  // see MB_MODE_*
-`define MB_STEP_REST       5'd29  // the frame is dealt with
 
 `define MB_JUMP_ALWAYS     2'd0
 `define MB_JUMP_UNICAST    2'd1   // exception 01 in a broadcast
@@ -114,7 +112,6 @@
 `define MB_FLAG_UP         11'h020
 `define MB_FLAG_MARK       11'h020
 `define MB_FLAG_HERE       11'h040
-`define MB_FLAG_LAST       11'h040
 `define MB_FLAG_BROADCAST  11'h100  // LOG: 40H in a broadcast
 `define MB_FLAG_EXCEPTION  11'h200  // LOG: the bit of the exception answered
 `define MB_FLAG_LONG       11'h400  // LOG: 10H if the frame had more than 256 bytes

@@ -27,16 +27,26 @@ WHEEL_OPTIONS = ["-Wno-PROCASSINIT"]
 
 TABLES = ("COIL_COUNT", "DISCRETE_COUNT", "INPUT_COUNT", "HOLDING_COUNT")
 FULL_TABLES = dict.fromkeys(TABLES, "65536")
-SHORT_CODES = {"FUNCTION_CODES": "65608"}  # 03 06 10
-CORE_SETS: list[dict[str, str]] = [
+SHORT_CODES = {"FUNCTION_CODES": "64'h10048"}  # 03 06 10
+BASIC_CODES = "64'h1807E"  # 01-06 0F 10
+COMMON_SETS: list[dict[str, str]] = [
     {},
-    {"FUNCTION_CODES": "0"},
     SHORT_CODES,
     {"T15_MIN_US": "0", "T35_MIN_US": "0"},
     {"CLK_HZ": "1843200"},
 ]
+USER_CODES = "128'h7FF000000001FE0000000000000008"  # 03, 65 to 72, 100 to 110
+CORE_SETS = [
+    *COMMON_SETS,
+    {"FUNCTION_CODES": "64'h0"},
+    {"FUNCTION_CODES": "64'h80000020000"},  # 11 2B
+    {"FUNCTION_CODES": "64'h1900"},  # 08 0B 0C
+    {"FUNCTION_CODES": "64'h1300000"},  # 14 15 18
+    {"FUNCTION_CODES": BASIC_CODES, "USER_CODES": USER_CODES},
+    {"USER_CODES": USER_CODES},
+]
 DROP_IN_SETS = [
-    *CORE_SETS,
+    *COMMON_SETS,
     *({other: "0" for other in TABLES if other != table} for table in TABLES),  # one table alone
     {**SHORT_CODES, "COIL_COUNT": "0", "DISCRETE_COUNT": "0"},
     {"HOLDING_BASE": "352", "HOLDING_COUNT": "33", "READ_ONLY_BASE": "360", "READ_ONLY_COUNT": "2"},
@@ -46,8 +56,17 @@ DROP_IN_SETS = [
 # module -> parameter sets; every other module is linted alone as it comes
 PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
     "modbus_rtu_core": CORE_SETS,
-    "modbus_rtu_slave": [*DROP_IN_SETS, FULL_TABLES, {"OVERLAY": "1"}, {"OVERLAY": "1", "HOLDING_COUNT": "65536"}],
+    "modbus_rtu_slave": [*DROP_IN_SETS, FULL_TABLES, {"FILE_COUNT": "3", "FILE_RECORDS": "100"}, {"OVERLAY": "1", "FILE_COUNT": "1"}, {"OVERLAY": "1", "HOLDING_COUNT": "65536"}],
     "modbus_rtu_slave_io": DROP_IN_SETS,
+    "modbus_pdm_record": [{}, {"DEPTH": "4"}, {"DEPTH": "1024"}],
+    "modbus_pdm_meter": [
+        {},
+        {"EVENT_RECORD": "0"},
+        {"DI_COUNT": "0"},
+        {"DO_COUNT": "0"},
+        {"DI_COUNT": "0", "DO_COUNT": "0", "MEASURED_COUNT": "0", "SETTING_COUNT": "1"},
+        {"DI_COUNT": "37", "DO_COUNT": "1"},
+    ],
 }
 MESSAGE = re.compile(r"%(?:Warning|Error)|warning:|error:|\bWarning:|ERROR:|[Ss]yntax error|Unknown module")
 
