@@ -112,9 +112,12 @@ module modbus_bank_ram #(
       localparam FW = (RECORDS > 1) ? $clog2(RECORDS) : 1;
       (* no_rw_check *) reg [15:0] memory [0:RECORDS-1];
       reg  [15:0]   word_q;
-      // File numbers begin at 1; the product is a shift where FILE_RECORDS is a power of two.
-      wire [31:0]   skipped = ({16'd0, grant_file_i} - 32'd1) * FILE_RECORDS;
-      wire [FW-1:0] record  = host_q ? item[FW-1:0] : item[FW-1:0] + skipped[FW-1:0];
+      // Files begin at 1.  In the arithmetic of as many bits as the memory has the product is a shift where FILE_RECORDS
+      // is a power of two.
+      wire [16:0]   file    = {1'b0, grant_file_i} - 17'd1;
+      wire [FW-1:0] skipped = file[FW-1:0] * FILE_RECORDS[FW-1:0];
+      wire [FW-1:0] record  = host_q ? item[FW-1:0] : item[FW-1:0] + skipped;
+      wire          unused  = &{1'b0, file};
       integer       i;
 
       initial for (i = 0; i < RECORDS; i = i + 1) memory[i] = 16'd0;

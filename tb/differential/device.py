@@ -10,13 +10,14 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbrtu.defs import ERRORS, Space, bus_address
+from mbrtu import build
+from mbrtu.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_address
 from mbrtu.model import characters
 from mbrtu.runner import PRODUCTS, sources
 
 HERE = Path(__file__).resolve().parent
 TOP = "modbus_rtu_slave"
-STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 8, 300
+STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 40, 300
 FAULTS = {None: 0, "parity": 1, "framing": 2}
 LINE_FAULTS = {
     -1: "an edge off the grid of bit times",
@@ -50,7 +51,7 @@ def library(parameters):
         *"verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal".split(),
         *["--top-module", TOP, "--Mdir", str(folder), "-CFLAGS", "-fPIC"],
         *[f"-I{f}" for f in folders],
-        *[f"-G{name}={value}" for name, value in parameters.items()],
+        *[f"-G{name}={value}" for name, value in build.for_simulator("verilator", parameters).items()],
         *map(str, files),
     ]
     _run(verilate, folder)
@@ -84,7 +85,7 @@ class Setup(ctypes.Structure):
         (name, ctypes.c_uint32)
         for name in (
             "address bit_time format broadcast_en gap_count_only strict_turnaround response_delay stall_limit "
-            "de_lead de_tail busy write_lock"
+            "de_lead de_tail busy write_lock failure exception_status run_indicator diagnostic"
         ).split()
     ]
 
@@ -96,6 +97,7 @@ class _Outcome(ctypes.Structure):
         ("write_count", ctypes.c_int32),
         ("writes", ctypes.c_uint32 * MAX_WRITES),
         ("write_last", ctypes.c_uint32 * MAX_WRITES),
+        ("write_file", ctypes.c_uint32 * MAX_WRITES),
         ("latency", ctypes.c_int64),
         ("lead", ctypes.c_int64),
         ("tail", ctypes.c_int64),
@@ -126,7 +128,8 @@ class Device:
     def __init__(self, path):
         lib = ctypes.CDLL(str(path))
         lib.device_new.restype = ctypes.c_void_p
-        lib.device_host.restype = ctypes.c_int32
+        lib.device_host.restype = lib.device_counter.restype = ctypes.c_int32
+        lib.device_state.restype = ctypes.c_uint32
         lib.device_xfer.argtypes = [
             ctypes.c_void_p,
             ctypes.c_int,
@@ -168,6 +171,25 @@ class Device:
         assert value != -2, "the host port does not answer"
         return None if value < 0 else value
 
+    def counter(self, address):
+        """A word of the counter port."""
+        value = self._lib.device_counter(self._handle, address)
+        assert value >= 0, "the counter port does not answer"
+        return value
+
+    def counters(self):
+        """All counters by name."""
+        return {name: self.counter(address) for name, address in COUNTER_ADDRESS.items()}
+
+    def state(self):
+        """(listen-only, entries of the log, diagnostic register)."""
+        value = self._lib.device_state(self._handle)
+        return bool(value >> 23), value >> 16 & 0x7F, value & 0xFFFF
+
+    def log(self):
+        """The event log, newest first."""
+        return [self.counter(LOG_ADDRESS + i) for i in range(self.state()[1])]
+
     def transfer(self, line, patience, offset=0.0):
         """Send a line; Outcome. Raises LineError if the answer is not clean."""
         sent = characters(line)
@@ -186,7 +208,9 @@ class Device:
         if out.answer_bytes < 0:
             raise LineError(LINE_FAULTS[out.answer_bytes])
         writes = [
-            (Space(out.writes[i] >> 16), out.writes[i] & 0xFFFF, out.write_last[i]) for i in range(out.write_count)
+            (Space(out.writes[i] >> 16), out.writes[i] & 0xFFFF, out.write_last[i])
+            + ((out.write_file[i],) if out.writes[i] >> 16 == Space.FILES else ())
+            for i in range(out.write_count)
         ]
         return Outcome(
             bytes(out.answer[: out.answer_bytes]) if out.answer_bytes else None,
@@ -197,3 +221,23 @@ class Device:
             out.lead,
             out.tail,
         )
+
+
+MOST_ANSWER_DATA = 252
+KINDS = 4  # of behaviour, by the first data byte
+
+
+def user_answer(pdu):
+    """What the user in harness.cpp makes of a request, in the terms of Slave.user."""
+    what = pdu[1] if len(pdu) > 1 else 0
+    kind = what % KINDS
+    if kind == 0:
+        return None
+    if kind == KINDS - 1 and what >> 2 & 15:
+        return what >> 2 & 15
+    data = b""
+    if kind == 1:
+        data = pdu[:0:-1]
+    elif kind == 2 and len(pdu) > 2:
+        data = bytes(i ^ 0x5A for i in range(pdu[2]))
+    return EX.FAILURE if len(data) > MOST_ANSWER_DATA else pdu[:1] + data

@@ -17,7 +17,7 @@ double sc_time_stamp() { return 0; }
 namespace {
 
 constexpr int kStrobes = 8;   // parity framing overrun crc short long gap good, as in defs.py
-constexpr int kMaxWrites = 8;
+constexpr int kMaxWrites = 40;     // a 15H request has up to 27 groups
 constexpr int kMaxAnswer = 300;
 
 enum Fault : uint8_t { kNoFault = 0, kParity = 1, kFraming = 2 };
@@ -31,8 +31,8 @@ struct Device {
   int parity = 0;   // 0 even, 1 odd, -1 none
   int stops = 1;
   uint32_t strobes[kStrobes] = {};
-  uint32_t writes[kMaxWrites] = {};   // space << 32 is not needed: {space, first} and last apart
-  uint32_t write_last[kMaxWrites] = {};
+  uint32_t writes[kMaxWrites] = {};   // {space, first}
+  uint32_t write_last[kMaxWrites] = {}, write_file[kMaxWrites] = {};
   int write_count = 0;
   bool de = false, txd = true;
   // The answer being read
@@ -59,9 +59,40 @@ struct Device {
     for (int i = 0; i < kStrobes; ++i) strobes[i] += seen[i];
     if (top.write_stb_o && write_count < kMaxWrites) {
       writes[write_count] = uint32_t(top.write_space_o) << 16 | top.write_first_o;
+      write_file[write_count] = top.write_file_o;
       write_last[write_count++] = top.write_last_o;
     }
+    user();
     watch(top.txd_o, top.de_o);
+  }
+
+  // A user of the user port, as user_answer in device.py is one: it reads the request, waits, and what the first
+  // data byte asks for is its answer.
+  int user_phase = 0;
+  uint8_t request[256];
+
+  void user() {
+    top.user_put_i = top.user_done_i = top.user_pass_i = top.user_exception_i = 0;
+    if (!top.user_req_o) { user_phase = 0; return; }
+    const int count = top.user_count_o, wait = count + 1 + count * 7 % 50;
+    const int phase = user_phase++;
+    if (phase <= count) {                             // a byte comes the clock after its place was shown
+      if (phase) request[phase - 1] = top.user_dat_o;
+      top.user_adr_i = phase;
+    } else if (phase > wait) {
+      const int put = phase - wait - 1, what = count > 2 ? request[2] : 0;
+      int length = -1;
+      if (what % 4 == 1) length = count - 2;                              // the data backwards
+      if (what % 4 == 2) length = count > 3 ? request[3] : 0;             // so many bytes of a pattern
+      if (put < length) {
+        top.user_put_i = 1;
+        top.user_dat_i = what % 4 == 1 ? request[count - 1 - put] : put ^ 0x5A;
+      } else {
+        top.user_done_i = 1;
+        top.user_pass_i = what % 4 == 0;
+        top.user_exception_i = what % 4 == 3 ? what >> 2 & 15 : 0;
+      }
+    }
   }
 
   // One clock of the device's output.
@@ -107,14 +138,14 @@ extern "C" {
 
 struct Setup {
   uint32_t address, bit_time, format, broadcast_en, gap_count_only, strict_turnaround, response_delay, stall_limit,
-      de_lead, de_tail, busy, write_lock;
+      de_lead, de_tail, busy, write_lock, failure, exception_status, run_indicator, diagnostic;
 };
 
 struct Outcome {
   int32_t answer_bytes;          // < 0: a LineFault
   uint32_t strobes[kStrobes];
   int32_t write_count;
-  uint32_t writes[kMaxWrites], write_last[kMaxWrites];
+  uint32_t writes[kMaxWrites], write_last[kMaxWrites], write_file[kMaxWrites];
   int64_t latency, lead, tail;   // clocks: end of request to first start bit; of de_o
   uint8_t answer[kMaxAnswer];
 };
@@ -142,6 +173,10 @@ void device_setup(void *h, const Setup *s) {
   t.de_tail_i = s->de_tail;
   t.busy_i = s->busy;
   t.write_lock_i = s->write_lock;
+  t.failure_i = s->failure;
+  t.exception_status_i = s->exception_status;
+  t.run_indicator_i = s->run_indicator;
+  t.diagnostic_i = s->diagnostic;
   d->bit_time = s->bit_time;
   d->parity = s->format < 2 ? int(s->format) : -1;
   d->stops = s->format == 2 ? 2 : 1;
@@ -178,6 +213,28 @@ int32_t device_host(void *h, uint32_t address, int write, uint32_t data) {
   t.host_cyc_i = t.host_stb_i = t.host_we_i = 0;
   d->clock();
   return result;
+}
+
+// One word of the counter port, or -2 for no answer.
+int32_t device_counter(void *h, uint32_t address) {
+  auto *d = static_cast<Device *>(h);
+  auto &t = d->top;
+  t.counter_stb_i = 1;
+  t.counter_adr_i = address;
+  int32_t result = -2;
+  for (int patience = 0; patience < 1000 && result < 0; ++patience) {
+    d->clock();
+    if (t.counter_ack_o) result = t.counter_dat_o;
+  }
+  t.counter_stb_i = 0;
+  d->clock();
+  return result;
+}
+
+// {listen-only, entries of the log, diagnostic register}
+uint32_t device_state(void *h) {
+  auto &t = static_cast<Device *>(h)->top;
+  return uint32_t(t.listen_only_o) << 23 | uint32_t(t.log_count_o) << 16 | t.diagnostic_register_o;
 }
 
 // Levels for given numbers of clocks, beginning with 0 and alternating: noise. Ends with 1.
@@ -230,6 +287,7 @@ void device_xfer(void *h, int n, const uint8_t *bytes, const uint32_t *gaps, con
   out->write_count = d->write_count;
   std::memcpy(out->writes, d->writes, sizeof out->writes);
   std::memcpy(out->write_last, d->write_last, sizeof out->write_last);
+  std::memcpy(out->write_file, d->write_file, sizeof out->write_file);
 }
 
 }  // extern "C"

@@ -11,13 +11,13 @@ from collections import Counter
 
 import pytest
 from mbrtu import build
-from mbrtu.build import NO_FLOORS, model_config, table_parameters
-from mbrtu.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, Space
+from mbrtu.build import NO_FLOORS, config_parameters, model_config, table_parameters
+from mbrtu.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from mbrtu.frames import adu, text
 from mbrtu.model import Slave, characters
 from mbrtu.traffic import Traffic
 
-from differential.device import Device, LineError, library
+from differential.device import Device, LineError, library, user_answer
 
 MAPS = {
     "mapped": {
@@ -32,15 +32,30 @@ MAPS = {
         ),
         "READ_ONLY_BASE": 1200,
         "READ_ONLY_COUNT": 20,
+        **config_parameters(
+            {
+                "files": (3, 100),
+                "user_codes": {FC.READ_HOLDINGS, 30, *range(65, 73), *range(100, 111)},
+                "server_id": bytes(range(16)),
+                "additional_data": bytes(range(234)),
+                "objects": {
+                    **{i: bytes([65 + i]) * n for i, n in enumerate((20, 244, 0, 60, 61, 60, 60))},
+                    **{i: bytes(range(i - 60)) for i in (0x80, 0x81, 0x90, 0xFF)},
+                },
+                "conformity": 0x83,
+            }
+        ),
     },
     "whole": {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))},
     "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
 }
 SHARE = {"mapped": 0.6, "whole": 0.2, "overlaid": 0.2}
-REQUESTS, FULL_REQUESTS = 20_000, 1_000_000
+REQUESTS, FULL_REQUESTS = 30_000, 1_000_000
 SETTINGS_EVERY, COMPARE_EVERY, WHOLE_COMPARE_EVERY = 40, 250, 5_000
+COUNTERS_EVERY, RESET_EVERY = 7, 3_000
+BAD_EVENTS = {0x82, 0x92, 0xA2, 0xB2}  # in the event log
 BROADCAST_CLOCKS = 8_000  # the longest a broadcast may work on
-PROCESSING_CLOCKS = 9_000  # the longest answer, bits included
+PROCESSING_CLOCKS = 14_000  # the longest answer, bits included
 
 
 class Match:
@@ -51,11 +66,16 @@ class Match:
         self.slave = Slave(model_config("modbus_rtu_slave", parameters))
         self.device = Device(library(parameters))
         self.parameters = parameters
-        self.traffic = Traffic(self.rng, self.slave.config)
+        self.slave.user = user_answer
+        self.traffic = Traffic(self.rng, self.slave.config, self.slave)
         self.kinds, self.latest = Counter(), 0
         self.inputs, self.offset, self.touched = {}, 0.0, set()
         self.settings()
+        self.reset()
+
+    def reset(self):
         self.device.reset()
+        self.slave.reset()
         self.device.idle(self.t35 + 100)
 
     def settings(self):
@@ -74,7 +94,7 @@ class Match:
             "response_delay": rng.choice((0, 0, 0, 1, 20)),
             "de_lead": rng.choice((0, 0, 1, 7)),
             "de_tail": rng.choice((0, 0, 1)),
-            "stall_limit": rng.choice((0, 0, 50)),
+            "stall_limit": rng.choice((0, 0, 100)),  # the user may take 560 clocks
         }
         self.momentary()
         _, self.t35 = build.silences(self.parameters, self.fmt, self.bit_time)
@@ -84,13 +104,22 @@ class Match:
         """Inputs that change from request to request."""
         self.slave.busy = self.rng.random() < 0.03
         self.slave.write_lock = self.rng.random() < 0.04
+        self.slave.failure = self.rng.choice((4, 5, 6, 7, 8, 10, 11)) if self.rng.random() < 0.03 else 0
+        self.slave.exception_status = self.rng.randrange(256)
+        self.slave.run_indicator = self.rng.random() < 0.5
+        self.slave.diagnostic_bits = 1 << self.rng.randrange(1, 16) if self.rng.random() < 0.02 else 0
         self.device.setup(
             self.fmt,
             self.bit_time,
             busy=int(self.slave.busy),
             write_lock=int(self.slave.write_lock),
+            failure=self.slave.failure,
+            exception_status=self.slave.exception_status,
+            run_indicator=int(self.slave.run_indicator),
+            diagnostic=self.slave.diagnostic_bits,
             **self.inputs,
         )
+        self.device.idle(4)
 
     def step(self):
         """One line of traffic to both."""
@@ -102,7 +131,7 @@ class Match:
             line = [(c.byte, c.gap, None if c.error == "parity" else c.error) for c in characters(line)]
         self.kinds[kind] += 1
         expected = self.slave.request(line)
-        self.touched |= {(s, a) for s, first, last in self.slave.written for a in range(first, last + 1)}
+        self.touched |= self.slave.touched
         patience = self.t35 + (PROCESSING_CLOCKS if expected else 16 * self.bit_time + 64)
         patience += (self.inputs["response_delay"] + self.inputs["de_lead"]) * self.bit_time
         if expected is None and self.slave.good:
@@ -113,6 +142,22 @@ class Match:
         except LineError as error:
             raise AssertionError(f"{shown}: {error}") from error
         self.judge(seen, expected, shown)
+        if self.slave.ambiguous:
+            self.slave.adopt(bool(seen.errors["long"]))
+        if kind == "restart" or bytes(c.byte for c in characters(line))[1:2] == bytes([FC.DIAGNOSTICS]):
+            self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent
+        if self.rng.randrange(COUNTERS_EVERY) == 0:
+            self.compare_counters(shown)
+
+    def compare_counters(self, shown):
+        """Counters, modes and the newest log entry against the model's."""
+        slave, device = self.slave, self.device
+        seen = device.counters()
+        assert seen == slave.counters, f"{shown}: counters should be {slave.counters}, are {seen}"
+        state = (slave.listen_only, len(slave.log), slave.diagnostic_register)
+        assert device.state() == state, f"{shown}: listen-only, log entries, register {device.state()}, not {state}"
+        newest = [device.log()[:1], slave.log[:1]]
+        assert newest[0] == newest[1], f"{shown}: newest event {newest[0]}, should be {newest[1]}"
 
     def judge(self, seen, expected, shown):
         """Raises AssertionError with what differs."""
@@ -131,10 +176,20 @@ class Match:
             assert tail <= seen.tail / self.bit_time <= tail + 1, f"{shown}: de stays {seen.tail} clocks"
 
     def noise(self):
-        """Random levels, then silence: nothing may come of it."""
+        """Random levels, then silence: nothing may come of it but bad frames, which the model learns of."""
         count = 2 * self.rng.randint(1, 60)
         self.device.noise([self.rng.choice((1, 2, 3, 8, 20, 90)) for _ in range(count)])
         self.device.idle(self.t35 + 20 * self.bit_time)
+        slave, seen, log = self.slave, self.device.counters(), self.device.log()
+        bad = (seen["bus_comm_error"] - slave.counters["bus_comm_error"]) & 0xFFFF
+        kept = LOG_SIZE - bad if len(log) == LOG_SIZE else len(slave.log)
+        assert log[bad:] == slave.log[:kept], f"noise: log {log} after {slave.log}"
+        assert set(log[:bad]) <= BAD_EVENTS, f"noise: events {log[:bad]}"
+        expected = {**slave.counters, **{name: seen[name] for name in ("bus_comm_error", "bus_char_overrun")}}
+        assert seen == expected, f"noise: counters {seen} after {slave.counters}"
+        slave.counters.update(seen)
+        slave.log = log
+        slave.diagnostic_register = self.device.state()[2]
 
     def compare(self, whole):
         """Memory of the device against the model's: what was written lately, or everything."""
@@ -142,6 +197,8 @@ class Match:
         for space, item in keys:
             expected, seen = self.slave.memory[space, item], self.device.host(space, item)
             assert seen == expected, f"{space.name} {item}: expected {expected:04X}, holds {seen}"
+        seen = self.device.log()
+        assert seen == self.slave.log, f"event log should be {self.slave.log}, is {seen}"
         self.touched.clear()
         self.device.idle(2 * self.t35)
 
@@ -157,6 +214,8 @@ def test_compiled_slave_agrees_with_the_model(name, seed):
     for number in range(count):
         if number % SETTINGS_EVERY == 0:
             match.settings()
+        if number % RESET_EVERY == RESET_EVERY - 1:
+            match.reset()
         try:
             match.step()
             if number % COMPARE_EVERY == COMPARE_EVERY - 1:

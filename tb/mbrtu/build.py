@@ -67,6 +67,7 @@ WIDTHS = {  # bits of the parameters that are no plain integers
     "PRIVATE_OBJECTS": 4096,
     "CONFORMITY": 8,
 }
+MANDATORY = (0, 1, 2)  # objects that are there even if empty
 INTEGER_BITS = 31  # what every tool takes as a plain decimal
 DEFAULT_CLK_HZ = 50_000_000
 
@@ -174,7 +175,7 @@ def identity_fields(parameters):
     objects = {}
     for number, name in OBJECT_PARAMETERS.items():
         value = _bytes_of(parameters[name]) if name in parameters else DEFAULT_OBJECTS.get(number, b"")
-        if value:
+        if value or number in MANDATORY:
             objects[number] = value
     private = _bytes_of(parameters.get("PRIVATE_OBJECTS", 0))
     while private:

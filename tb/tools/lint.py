@@ -56,7 +56,13 @@ DROP_IN_SETS = [
 # module -> parameter sets; every other module is linted alone as it comes
 PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
     "modbus_rtu_core": CORE_SETS,
-    "modbus_rtu_slave": [*DROP_IN_SETS, FULL_TABLES, {"FILE_COUNT": "3", "FILE_RECORDS": "100"}, {"OVERLAY": "1", "FILE_COUNT": "1"}, {"OVERLAY": "1", "HOLDING_COUNT": "65536"}],
+    "modbus_rtu_slave": [
+        *DROP_IN_SETS,
+        FULL_TABLES,
+        {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
+        {"OVERLAY": "1", "FILE_COUNT": "1"},
+        {"OVERLAY": "1", "HOLDING_COUNT": "65536"},
+    ],
     "modbus_rtu_slave_io": DROP_IN_SETS,
     "modbus_pdm_record": [{}, {"DEPTH": "4"}, {"DEPTH": "1024"}],
     "modbus_pdm_meter": [
