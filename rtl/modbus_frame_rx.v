@@ -176,7 +176,7 @@ module modbus_frame_rx (
     assert (!(good_stb_o && foreign_stb_o));
     if (foreign_stb_o) assert (f_clean && crc_zero_i && !f_for_us);
     if (good_stb_o) assert (f_for_us);
-    if (store_stb_o) assert (f_stored < 9'd256 && reception && !char_stb_i);
+    if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
     assert (!(good_stb_o && done_stb_i && state_q == ST_WORK));
     if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
     if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good_stb_o);

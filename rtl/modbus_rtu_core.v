@@ -413,7 +413,7 @@ module modbus_rtu_core #(
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
-    if (char_stb && count == 9'd0)
+    if (rx_active_o && char_stb && count == 9'd0)
       f_first <= (rx_data == 8'd0) ? broadcast_en_i : rx_data == address_i && rx_data <= 8'd247;
     if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
     else begin
