@@ -119,14 +119,19 @@ module modbus_dispatch #(
   reg [31:0] is_q = 32'd0;           // the step being carried out, one hot
   reg [1:0]  phase_q = 2'd0;         // its clock, 0 to 3
   reg        raise_q = 1'b0;         // the step before went wrong
-  reg [3:0]  code_q = 4'd0;          // with what exception code, 0: nothing did
+  reg        failed_q = 1'b0;        // an exception is to be answered
+  reg [3:0]  code_q;                 // which; until then, which it would be
   reg        broadcast_q = 1'b0;
   reg        long_q = 1'b0;
   reg [2:0]  space_q;
+  reg        write_q, dry_q;         // of the step, registered because much hangs on them
   reg        arrived_q;              // the cursor was at the place a clock ago: a walk goes every other clock
   reg        finished_q;             // bank, burst or user ended a clock ago
   reg        count_held_q;           // count was the held byte a clock ago
   reg        zero_q;                 // the byte was 0 a clock ago
+  reg        left_q, no_words_q;     // so many bytes were left a clock ago: not 0; none, an odd number, or less
+  reg        unready_q;              // the host was busy or had failed a clock ago
+  reg        restart_q = 1'b0;
   reg        same_q;                 // the byte was the held one or the literal a clock ago
   reg        holds_q;                // the condition of IF held a clock ago
 
@@ -168,20 +173,28 @@ module modbus_dispatch #(
   // ------------------------------------------------------------------ what can be wrong with a request
 
   wire coil_value  = zero_q & (held_i == 8'h00 || (held_i == 8'hFF && !argument[0]));
-  wire no_words    = (count_i == 9'd0) | count_i[0] | count_i[8];
   wire negative    = is_if & second & (argument[10:9] == `MB_IF_LEFT) & count_i[8];
   wire bad_value   = ((is_quantity | is_depth) & fourth & ~in_limit_i)
                    | (is_coil & third & ~coil_value)
                    | (is_byte_count & third & ~count_held_q)
                    | (is_byte_count & fourth & argument[0] & ~bytes_fit_i)
-                   | (is_end & ((HAS_DIAGNOSTICS != 0 && argument[0]) ? no_words : count_i != 9'd0))
+                   | (is_end & ((HAS_DIAGNOSTICS != 0 && argument[0]) ? no_words_q : left_q))
                    | (is_total & fourth & too_long_i)
                    | negative;
   wire bad_address = is_range & fourth & (over_i | (argument[1] & beyond_i));
-  wire unready     = is_jump & (argument[10:9] == `MB_JUMP_READY) & (busy_i | failure_i != 4'd0);
+  wire unready     = is_jump & (argument[10:9] == `MB_JUMP_READY) & unready_q;
   wire unmatched   = is_match & second & ~same_q & (argument[10:8] != 3'd0);
   wire illegal     = is_jump & argument[9] & (argument[10] | broadcast_q);
   wire user_fail   = is_offer & user_fail_i;
+
+  // What code it would be depends on the step alone.
+  wire [3:0] cause = (is_grant | is_burst) ? fail_code_i :
+                     is_offer              ? user_code_i :
+                     is_match              ? {1'b0, argument[10:8]} :
+                     is_range              ? `MB_EX_ILLEGAL_DATA_ADDRESS :
+                     ~is_jump              ? `MB_EX_ILLEGAL_DATA_VALUE :
+                     argument[9]           ? `MB_EX_ILLEGAL_FUNCTION :
+                     busy_i                ? `MB_EX_DEVICE_BUSY : failure_i;
 
   // ------------------------------------------------------------------ the step and the next
 
@@ -195,14 +208,14 @@ module modbus_dispatch #(
               | is_rest;
 
   // Whether a step of diagnostics applies
-  wire answered_code = (code_q != 4'd0) & ~broadcast_q;
+  wire refusal = failed_q & ~broadcast_q;                      // an exception is answered
   reg  applies;
   always @* begin
     case (argument[8:6])
-      `MB_WHEN_SUCCESS:   applies = (code_q == 4'd0);
-      `MB_WHEN_EXCEPTION: applies = (code_q != 4'd0);
-      `MB_WHEN_BUSY:      applies = answered_code & (code_q == `MB_EX_DEVICE_BUSY);
-      `MB_WHEN_NAK:       applies = answered_code & (code_q == `MB_EX_NEGATIVE_ACKNOWLEDGE);
+      `MB_WHEN_SUCCESS:   applies = ~failed_q;
+      `MB_WHEN_EXCEPTION: applies = failed_q;
+      `MB_WHEN_BUSY:      applies = refusal & (code_q == `MB_EX_DEVICE_BUSY);
+      `MB_WHEN_NAK:       applies = refusal & (code_q == `MB_EX_NEGATIVE_ACKNOWLEDGE);
       `MB_WHEN_BROADCAST: applies = broadcast_q;
       `MB_WHEN_LONG:      applies = long_q;
       default:            applies = 1'b1;
@@ -215,7 +228,7 @@ module modbus_dispatch #(
   always @* begin
     case (argument[10:9])
       `MB_IF_EQUAL:     holds = (byte_i == held_i);
-      `MB_IF_LEFT:      holds = (count_i != 9'd0);
+      `MB_IF_LEFT:      holds = left_q;
       `MB_IF_LISTENING: holds = listen_only_i;
       default:          holds = ~users;
     endcase
@@ -234,22 +247,22 @@ module modbus_dispatch #(
     if (is_q == 32'd0)      phase_q <= 2'd0;
 
     if (is_space || (is_address && argument[3])) space_q <= argument[2:0];
+    write_q      <= argument[0];
+    dry_q        <= argument[2];
     arrived_q    <= (cursor_i == argument[3:0]);
     finished_q   <= done_i | fail_i | (is_offer & user_done_i) | user_fail;
     count_held_q <= (count_i == {1'b0, held_i});
     holds_q      <= holds;
+    restart_q    <= is_mode & over & argument[7];
+    left_q       <= (count_i != 9'd0);
+    no_words_q   <= (count_i == 9'd0) | count_i[0] | count_i[8];
+    unready_q    <= busy_i | (failure_i != 4'd0);
     same_q       <= is_offer ? user_pass_i : (byte_i == argument[7:0]);
     zero_q       <= (byte_i == 8'h00);
 
     raise_q <= bad_value | bad_address | unready | unmatched | illegal | fail_i | user_fail;
-    if (!run_q)             code_q <= 4'd0;
-    else if (fail_i)        code_q <= fail_code_i;
-    else if (user_fail)     code_q <= user_code_i;
-    else if (unready)       code_q <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;
-    else if (unmatched)     code_q <= {1'b0, argument[10:8]};
-    else if (bad_address)   code_q <= `MB_EX_ILLEGAL_DATA_ADDRESS;
-    else if (bad_value)     code_q <= `MB_EX_ILLEGAL_DATA_VALUE;
-    else if (illegal)       code_q <= `MB_EX_ILLEGAL_FUNCTION;
+    failed_q <= run_q & (failed_q | raise_q);
+    if (!failed_q && !raise_q) code_q <= cause;
 
     if (!run_q)           at_q <= (HAS_DIAGNOSTICS == 0 || good_i) ? start_i : foreign_i ? foreign_at_i : bad_at_i;
     else if (raise_q)     at_q <= exception_i;
@@ -281,7 +294,7 @@ module modbus_dispatch #(
 
   assign send_stb_o      = is_send & ~broadcast_q;
   assign quiet_stb_o     = is_rest & ~sending_i;
-  assign restart_stb_o   = is_mode & over & argument[7];
+  assign restart_stb_o   = restart_q;
   assign written_stb_o   = is_range & fourth & argument[2];
   assign program_at_o    = at_q;
 
@@ -312,9 +325,9 @@ module modbus_dispatch #(
   assign burst_o     = is_burst & ~finished_q;
   assign argument_o  = argument;
   assign space_o     = space_q;
-  assign write_o     = argument[0];
+  assign write_o     = write_q;
   assign keep_o      = argument[1];
-  assign dry_o       = argument[2];
+  assign dry_o       = dry_q;
   assign what_o      = argument[8:7];
   assign mark_o      = argument[5];
   assign code_o      = code_q;
@@ -322,15 +335,15 @@ module modbus_dispatch #(
   assign offer_o     = is_offer & ~finished_q;
 
   // Event bytes (V1.1b3, clause 6.10); the program gives the kind, what varies is added.
-  wire [3:0] sent = {code_q == 4'd7, code_q == 4'd5 || code_q == 4'd6, code_q == 4'd4, code_q != 4'd0 && code_q < 4'd4};
+  wire [3:0] sent = {code_q == 4'd7, code_q == 4'd5 || code_q == 4'd6, code_q == 4'd4, code_q[3:2] == 2'd0};
 
-  assign diag_count_o = is_count & applies;
+  assign diag_count_o = is_count;
   assign diag_clear_o = argument[5];
   assign diag_log_o   = is_log;
   assign diag_event_o = argument[7:0]
                       | {1'b0, argument[8] & broadcast_q, listen_only_i, argument[10] & long_q,
-                         sent & {4{argument[9] & ~broadcast_q}}};
-  assign diag_write_o = second;
+                         sent & {4{argument[9] & refusal}}};
+  assign diag_write_o = second & (is_log | applies);
   assign mode_o = {6{is_mode & over}} & argument[6:1] & {long_q, 2'b11, held_i[0], 2'b11};
 
 endmodule

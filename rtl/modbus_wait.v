@@ -10,17 +10,20 @@ module modbus_wait (
   input  wire        bit_stb_i,
   input  wire        clear_i,        // level : begin again at 0
   input  wire [15:0] limit_i,        // bit times
-  output wire        over_o          // level : the limit is reached; with limit 0 at once
+  output wire        over_o          // level : the limit is reached, a clock later; with limit 0 at once
 );
 
   reg [15:0] bits_q = 16'd0;
-
-  assign over_o = ~(bits_q < limit_i);      // a limit tied to 0 leaves nothing of the counter
+  reg        over_q = 1'b0;                  // in a register: the comparison is long
+  wire       over   = ~(bits_q < limit_i);   // a limit tied to 0 leaves nothing of the counter
 
   always @(posedge clk_i) begin
-    if (clear_i)                   bits_q <= 16'd0;
-    else if (bit_stb_i && !over_o) bits_q <= bits_q + 16'd1;
+    over_q <= over & ~clear_i;
+    if (clear_i)                 bits_q <= 16'd0;
+    else if (bit_stb_i && !over) bits_q <= bits_q + 16'd1;
   end
+
+  assign over_o = over_q;
 
 endmodule
 
