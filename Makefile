@@ -37,7 +37,7 @@ $(foreach set,demo test lint formal fpga fusesoc,$(call stamp,$(set))): .venv/%-
 ##@ Use
 -include sim/live.mk
 ## demo      bring the core up as a live serial device and play the specification's examples against it
-## serve     the live device alone, until Ctrl-C: LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=
+## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=
 
 ##@ Check
 test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
@@ -57,8 +57,8 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 	@$(PY) tb/mistakes.py $${T:+"$$T"}
 
 ##@ Look
-synth: $(call stamp,fpga)  ## size and speed on an iCE40 HX8K; UPDATE=1 puts the table into the README
-	@$(PY) tb/tools/synth.py $${UPDATE:+--update}
+synth: $(call stamp,fpga)  ## size and speed on an iCE40 HX8K; OPTIONS=1 the cost of each option; UPDATE=1 writes the table
+	@$(PY) tb/tools/synth.py $${OPTIONS:+--options} $${UPDATE:+--update}
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
 	@$(PY) tb/tools/waves.py "$${T-}"

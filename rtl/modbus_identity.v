@@ -78,7 +78,7 @@ module modbus_identity #(
   localparam integer L0 = length_of({2144'd0, VENDOR_NAME}), L1 = length_of({2144'd0, PRODUCT_CODE}),
                      L2 = length_of({2144'd0, REVISION}), L3 = length_of({2144'd0, VENDOR_URL}),
                      L4 = length_of({2144'd0, PRODUCT_NAME}), L5 = length_of({2144'd0, MODEL_NAME}),
-                     L6 = length_of({2144'd0, USER_APPLICATION_NAME}), PRIVATE_LENGTH = length_of(PRIVATE_OBJECTS);
+                     L6 = length_of({2144'd0, USER_APPLICATION_NAME}), PRIVATES_GIVEN = length_of(PRIVATE_OBJECTS);
 
   function integer text_length(input integer object);
     case (object)
@@ -107,7 +107,7 @@ module modbus_identity #(
     begin
       private_count = unused;
       last = FIRST_PRIVATE - 1;
-      k = PRIVATE_LENGTH - 1;
+      k = PRIVATES_GIVEN - 1;
       while (k >= 0) begin
         size = (k >= 1) ? {24'd0, PRIVATE_OBJECTS[8*(k-1) +: 8]} : 0;
         if (k < 1 || {24'd0, PRIVATE_OBJECTS[8*k +: 8]} <= last || size > DEVICE_ID_LIMIT - HEAD - 2 || k - 1 - size < 0)
@@ -119,14 +119,20 @@ module modbus_identity #(
     end
   endfunction
 
-  localparam integer PRIVATES = private_count(0);
+  localparam integer PRIVATES_FOUND = private_count(0);
+
+  // Illegal parameters are told of below; here they must not lead outside the memory.
+  localparam integer PRIVATES       = (PRIVATES_FOUND > 0) ? PRIVATES_FOUND : 0;
+  localparam integer PRIVATE_LENGTH = (PRIVATES_FOUND > 0) ? PRIVATES_GIVEN : 0;
+  localparam integer ID_LENGTH   = (SERVER_ID_BYTES < 1 || SERVER_ID_BYTES > 16) ? 1 : SERVER_ID_BYTES;
+  localparam integer MORE_LENGTH = (ADDITIONAL_DATA_BYTES < 0 || ADDITIONAL_DATA_BYTES > 234) ? 0 : ADDITIONAL_DATA_BYTES;
   localparam integer REGULARS = ((L3 > 0) ? 1 : 0) + ((L4 > 0) ? 1 : 0) + ((L5 > 0) ? 1 : 0) + ((L6 > 0) ? 1 : 0);
   localparam integer OBJECTS_BYTES = 6 + L0 + L1 + L2 + 2 * REGULARS + L3 + L4 + L5 + L6 + PRIVATE_LENGTH;
   localparam integer LEVEL = {30'd0, CONFORMITY[1:0]};
 
   // Objects of a level, and records of its section
   localparam integer IN_1 = 3, IN_2 = IN_1 + REGULARS, IN_3 = IN_2 + PRIVATES;
-  localparam integer ID_BYTES  = SERVER_ID_BYTES + ADDITIONAL_DATA_BYTES;
+  localparam integer ID_BYTES  = ID_LENGTH + MORE_LENGTH;
   localparam integer SECTION_1 = 9 + ID_BYTES;
   localparam integer SECTION_2 = SECTION_1 + RECORD * (IN_1 + 1);
   localparam integer SECTION_3 = SECTION_2 + ((LEVEL >= 2) ? RECORD * (IN_2 + 1) : 0);
@@ -148,7 +154,7 @@ module modbus_identity #(
       if (LEVEL == 0 || CONFORMITY[6:2] != 5'd0) begin : gen_conformity
         ERROR_modbus_CONFORMITY_is_01_02_03_81_82_or_83 illegal_parameter ();
       end
-      if (PRIVATES < 0) begin : gen_private
+      if (PRIVATES_FOUND < 0) begin : gen_private
         ERROR_modbus_PRIVATE_OBJECTS_are_object_80_to_FF_ascending_length_and_value illegal_parameter ();
       end
       if (DEVICE_ID_LIMIT > 253 || DEVICE_ID_LIMIT < HEAD + 2 + L0 || DEVICE_ID_LIMIT < HEAD + 2 + L1 ||
@@ -173,7 +179,7 @@ module modbus_identity #(
     begin
       objects = {8*ROOM{1'b0}};
       to = unused;
-      for (object = 0; object < 7; object = object + 1)
+      for (object = HAS_OBJECTS ? 0 : 7; object < 7; object = object + 1)
         if (object < 3 || text_length(object) > 0) begin
           objects[8*to +: 8]     = low(object);
           objects[8*(to+1) +: 8] = low(text_length(object));
@@ -181,12 +187,12 @@ module modbus_identity #(
             objects[8*(to+2+k) +: 8] = text_byte(object, text_length(object) - 1 - k);
           to = to + 2 + text_length(object);
         end
-      for (k = 0; k < PRIVATE_LENGTH; k = k + 1)
+      for (k = HAS_OBJECTS ? 0 : PRIVATE_LENGTH; k < PRIVATE_LENGTH; k = k + 1)
         objects[8*(to+k) +: 8] = PRIVATE_OBJECTS[8*(PRIVATE_LENGTH-1-k) +: 8];
     end
   endfunction
 
-  localparam [8*ROOM-1:0] OBJECT_TEXT = HAS_OBJECTS ? objects(0) : {8*ROOM{1'b0}};
+  localparam [8*ROOM-1:0] OBJECT_TEXT = objects(0);
 
   // The record of an answer that begins with the object at byte `from`, of `left` objects of its category; at most
   // `most` of them.
@@ -236,10 +242,10 @@ module modbus_identity #(
     integer k;
     begin
       content = {8*ROOM{1'b0}};
-      for (k = 0; k < SERVER_ID_BYTES; k = k + 1)
-        content[8*(9+k+unused) +: 8] = SERVER_ID[8*(SERVER_ID_BYTES-1-k) +: 8];
-      for (k = 0; k < ADDITIONAL_DATA_BYTES; k = k + 1)
-        content[8*(9+SERVER_ID_BYTES+k) +: 8] = ADDITIONAL_DATA[8*(ADDITIONAL_DATA_BYTES-1-k) +: 8];
+      for (k = 0; k < ID_LENGTH; k = k + 1)
+        content[8*(9+k+unused) +: 8] = SERVER_ID[8*(ID_LENGTH-1-k) +: 8];
+      for (k = 0; k < MORE_LENGTH; k = k + 1)
+        content[8*(9+ID_LENGTH+k) +: 8] = ADDITIONAL_DATA[8*(MORE_LENGTH-1-k) +: 8];
       if (HAS_OBJECTS) begin
         content[8*1 +: 8] = high(SECTION_1);
         content[8*2 +: 8] = high(SECTION_OF_2);

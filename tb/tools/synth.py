@@ -5,6 +5,7 @@
 
     synth.py                                  every profile, seeds 1 to 3, build/synth.json, table
     synth.py --profile basic --bank ram --fast   one profile, one seed
+    synth.py --options                        what each option costs
     synth.py --top modbus_crc16 [-P NAME=VALUE ...] [--fast]   one module, with what each part costs
 
 How a design is measured.  A bank with flat vectors has more ports than the package has pins, so the
@@ -118,6 +119,23 @@ PROFILE_NOTES = {
     "`ram`: the tables of the live device, 4 files of 256 records",
 }
 MARK_BEGIN, MARK_END = "<!-- synth table begin -->", "<!-- synth table end -->"
+
+# What an option costs: `full` without it, one seed.  Option -> (function codes that go, other parameters)
+OPTIONS: dict[str, tuple[tuple[int, ...], dict[str, str]]] = {
+    "07: exception status": ((0x07,), {}),
+    "08: diagnostics": ((0x08,), {}),
+    "08 0B 0C: diagnostics, counters, event log, listen-only": ((0x08, 0x0B, 0x0C), {}),
+    "11: server id": ((0x11,), {}),
+    "2B: device identification": ((0x2B,), {}),
+    "11 2B: identity": ((0x11, 0x2B), {}),
+    "14 15: file records and their RAM": ((0x14, 0x15), {"FILE_COUNT": "0"}),
+    "16: mask write": ((0x16,), {}),
+    "17: read/write multiple": ((0x17,), {}),
+    "18: FIFO": ((0x18,), {}),
+}
+ALL_CODES = 0x0000080001F399FE
+USER_CODES = "128'h000000000000000001FE0000000000000000"  # 65 to 72
+OPTIONS_PAGE = ROOT / "docs/size.md"
 
 
 class ToolError(RuntimeError):
@@ -348,6 +366,39 @@ def update_readme(text: str) -> None:
     print("README.md: size table updated")
 
 
+def options_table() -> str:
+    """What each option costs, as a markdown table; one seed, since cells hardly differ between seeds."""
+    parameters, ties = PROFILES["full"]["ram"]
+    sets = {"all of it": (parameters, ties)}
+    for option, (codes, others) in OPTIONS.items():
+        mask = ALL_CODES & ~sum(1 << code for code in codes)
+        sets[option] = ({**parameters, "FUNCTION_CODES": f"64'h{mask:X}", **others}, ties)
+    without_user = {port: value for port, value in ties.items() if port not in USER_OFF}
+    sets["user functions 65 to 72"] = ({**parameters, "USER_CODES": USER_CODES}, without_user)
+    lines = ["| Option | Logic cells with / without it | Costs | RAM blocks |", "|---|---:|---:|---:|"]
+    whole = None
+    for number, (option, (its, tied)) in enumerate(sets.items()):
+        row = measure(DROP_INS["ram"], its, tied, OUT / f"option{number}", SEEDS[:1])
+        show(option if whole is None or "user" in option else f"without {option}", row)
+        if whole is None:
+            whole = row
+            continue
+        more, less = (row, whole) if "user" in option else (whole, row)
+        cells, blocks = more["lc"] - less["lc"], more["ram"] - less["ram"]
+        lines.append(f"| {option} | {more['lc']} / {less['lc']} | {cells} | {blocks} |")
+    return "\n".join(lines)
+
+
+def update_options(text: str) -> None:
+    """Put the options' table between the markers of its page."""
+    head, rest = OPTIONS_PAGE.read_text().split(MARK_BEGIN, 1)
+    tools = tool_versions()
+    text += f"\n\niCE40 HX8K ct256, Yosys {tools['yosys']} `synth_ice40`, nextpnr-ice40 "
+    text += f"{tools['nextpnr-ice40']}, seed 1."
+    OPTIONS_PAGE.write_text(head + MARK_BEGIN + "\n" + text + "\n" + MARK_END + rest.split(MARK_END, 1)[1])
+    print(f"{OPTIONS_PAGE.relative_to(ROOT)}: table updated")
+
+
 def show(title: str, row: dict) -> None:
     """One line of figures, at once: a run takes minutes."""
     lc = f"{row['lc']:5d} LC  " if "lc" in row else ""
@@ -369,6 +420,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--fast", action="store_true", help="one seed, nothing written but build/synth")
     parser.add_argument("--parts", action="store_true", help="also the cells of each module, hierarchy kept")
     parser.add_argument("--update", action="store_true", help="put the table into README.md")
+    parser.add_argument("--options", action="store_true", help="instead: what each option costs (docs/size.md)")
     options = parser.parse_args()
     for item in options.parameter + options.tie:
         if not re.fullmatch(r"\w+=.+", item):
@@ -399,6 +451,13 @@ def main() -> int:
         show_parts(options.top, given, tied, work)
         return 0
 
+    if options.options:
+        text = options_table()
+        print("\n" + text)
+        if options.update:
+            update_options(text)
+        return 0
+
     rows = []
     for profile in options.profile or PROFILES:
         for bank, (parameters, ties) in PROFILES[profile].items():
@@ -417,7 +476,7 @@ def main() -> int:
     versions = tool_versions()
     print("\n" + table(rows, versions, seeds))
     if not options.fast:
-        (ROOT / "build/synth.json").write_text(json.dumps({"tools": versions, "rows": rows}, indent=2) + "\n")
+        (ROOT / "build/synth.json").write_text(json.dumps({"tools": versions, "results": rows}, indent=2) + "\n")
         print("\nfigures in build/synth.json")
     if options.update:
         update_readme(table(rows, versions, seeds))
