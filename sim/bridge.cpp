@@ -12,49 +12,34 @@
 // Simulated time follows the wall clock while anything moves on the line, and stands still, with the
 // process asleep in poll, while nothing does.  Arguments come checked from serve.py.
 
-#include <asm/termbits.h>  // termios2: any speed; excludes <termios.h>
 #include <algorithm>
-#include <cerrno>
 #include <cinttypes>
 #include <csignal>
-#include <cstdint>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <deque>
-#include <fcntl.h>
 #include <getopt.h>
 #include <poll.h>
 #include <sched.h>
-#include <string>
-#include <sys/inotify.h>
-#include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
-#include <unistd.h>
+#include <vector>
 
 #include "Vslave.h"
+#include "line.h"
+#include "terminal.h"
 #include "verilated.h"
 
 namespace {
 
-constexpr int EXIT_BAD_ARGUMENT = 2;
 constexpr double T35_FLOOR_S = 1750e-6;   // t3.5 above 19200 baud, MODBUS over Serial Line V1.02 2.5.1.1
 constexpr double SLICE_S = 0.5e-3;        // how often a moving line is brought up to the wall clock
 constexpr double GIVE_UP_S = 50e-3;       // further behind than this, lost time is not caught up
 constexpr double LINGER_S = 20e-3;        // silence after which nothing more can come from the core
+constexpr double WORK_S = 5e-3;           // longest work of the core on a request: 1968 coils, four clocks each
 constexpr size_t LONGEST_FRAME = 256;
 constexpr size_t QUEUE_LIMIT = 512;       // a client that sends more than the line carries loses it
 constexpr int READS_AT_ONCE = 16;         // of 4 KB: what the kernel keeps for one terminal
 constexpr int HOST_WAIT_CLOCKS = 100000;
-
-[[noreturn]] void fail(const std::string &what) {
-  fprintf(stderr, "serve: %s\n", what.c_str());
-  exit(EXIT_BAD_ARGUMENT);
-}
-
-[[noreturn]] void fail_errno(const std::string &what) { fail(what + ": " + strerror(errno)); }
 
 double wall_s() {
   timespec t;
@@ -64,171 +49,8 @@ double wall_s() {
 
 struct Options {
   std::string link, trace;
-  unsigned baud = 0, bit_time = 0, format = 0, address = 0, busy = 0;
-  int init_fd = -1;
-};
-
-// Format codes of the core: 0 = 8E1, 1 = 8O1, 2 = 8N2, 3 = 8N1.
-struct CharacterFormat {
-  bool parity, odd;
-  int stops;
-  explicit CharacterFormat(unsigned code) : parity(code < 2), odd(code == 1), stops(code == 2 ? 2 : 1) {}
-  int length() const { return 1 + 8 + parity + stops; }
-  bool parity_bit(unsigned data) const { return __builtin_parity(data) ^ odd; }
-};
-
-// Puts characters on rxd, one level a clock.
-class LineDriver {
- public:
-  LineDriver(CharacterFormat format, unsigned bit_time) : format_(format), bit_time_(bit_time) {}
-  bool busy() const { return left_ > 0; }
-
-  void start(uint8_t data) {
-    unsigned tail = ~0u << 9;  // stop bits
-    if (format_.parity) tail = ~0u << 10 | unsigned(format_.parity_bit(data)) << 9;
-    bits_ = tail | unsigned(data) << 1;  // bit 0 is the start bit
-    left_ = format_.length();
-    phase_ = 0;
-  }
-
-  bool clock() {
-    if (!busy()) return true;
-    const bool level = bits_ & 1;
-    if (++phase_ == bit_time_) {
-      phase_ = 0;
-      bits_ >>= 1;
-      --left_;
-    }
-    return level;
-  }
-
- private:
-  CharacterFormat format_;
-  unsigned bit_time_, bits_ = ~0u, phase_ = 0;
-  int left_ = 0;
-};
-
-// Takes characters off txd while the driver is enabled, sampling each bit at its middle.
-class LineMonitor {
- public:
-  LineMonitor(CharacterFormat format, unsigned bit_time) : format_(format), bit_time_(bit_time) {}
-
-  // One clock; the character when its last stop bit has been seen, else -1.
-  int clock(bool txd, bool enabled) {
-    if (!enabled) {
-      if (inside_) complain("driver off inside a character");
-      inside_ = false;
-      return -1;
-    }
-    if (!inside_) {
-      if (txd) return -1;
-      inside_ = true;
-      phase_ = 0;
-      bit_ = 0;
-      bits_ = 0;
-    }
-    if (phase_++ != bit_ * bit_time_ + bit_time_ / 2) return -1;
-    bits_ |= unsigned(txd) << bit_;
-    if (int(++bit_) < format_.length()) return -1;
-
-    inside_ = false;
-    const unsigned data = bits_ >> 1 & 0xFF;
-    const unsigned stops = (1u << format_.stops) - 1;
-    if (bits_ & 1) complain("start bit too short");
-    if (format_.parity && bool(bits_ >> 9 & 1) != format_.parity_bit(data)) complain("wrong parity");
-    if ((bits_ >> (9 + format_.parity)) != stops) complain("stop bit is 0");
-    return int(data);
-  }
-
- private:
-  static void complain(const char *what) { fprintf(stderr, "serve: bad character from the core: %s\n", what); }
-
-  CharacterFormat format_;
-  unsigned bit_time_, phase_ = 0, bit_ = 0, bits_ = 0;
-  bool inside_ = false;
-};
-
-// The pseudo-terminal. Its slave side stays open here, else reading fails whenever the last client leaves.
-// Comings and goings of clients are seen through inotify.
-class Terminal {
- public:
-  explicit Terminal(unsigned baud) : baud_(baud) {
-    master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (master_ < 0 || grantpt(master_) || unlockpt(master_)) fail_errno("cannot open a pseudo-terminal");
-    name_ = ptsname(master_);
-    slave_ = open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-    if (slave_ < 0) fail_errno(name_);
-    make_raw();
-    inotify_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    if (inotify_ < 0 || inotify_add_watch(inotify_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0) fail_errno(name_);
-  }
-
-  const std::string &name() const { return name_; }
-  int master() const { return master_; }
-  int inotify() const { return inotify_; }
-
-  // True if the last client has gone since the last call; `others` tells whether a new one is there already.
-  // (Two openings at once look like one to inotify: the first of two clients to go then passes for the last.)
-  bool clients_left(bool &others) {
-    alignas(inotify_event) char buffer[4096];
-    bool left = false;
-    for (ssize_t n; (n = read(inotify_, buffer, sizeof buffer)) > 0;) {
-      for (char *p = buffer; p < buffer + n;) {
-        auto *event = reinterpret_cast<inotify_event *>(p);
-        if (event->mask & IN_OPEN) ++clients_;
-        if (event->mask & IN_CLOSE && --clients_ <= 0) {
-          clients_ = 0;
-          left = true;
-        }
-        p += sizeof *event + event->len;
-      }
-    }
-    others = clients_ > 0;
-    return left;
-  }
-
-  ssize_t receive(void *data, size_t size) {
-    const ssize_t n = read(master_, data, size);
-    if (n > 0) warn_of_speed();
-    return n;
-  }
-
-  // What the client does not fetch is lost, as on a line.
-  void send(uint8_t data) {
-    if (write(master_, &data, 1) < 0) return;
-  }
-
-  // Answers that the last client has left unread.
-  void drop_unread() { ioctl(slave_, TCFLSH, TCIFLUSH); }
-
-  // The state a new client finds: no settings, no exclusive mode.
-  void reset() {
-    ioctl(slave_, TIOCNXCL);
-    make_raw();
-    warned_speed_ = baud_;
-  }
-
- private:
-  void make_raw() {
-    termios2 t{};
-    t.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;
-    t.c_ispeed = t.c_ospeed = baud_;
-    t.c_cc[VMIN] = 1;
-    if (ioctl(slave_, TCSETS2, &t)) fail_errno(name_);
-  }
-
-  void warn_of_speed() {
-    termios2 t;
-    if (ioctl(slave_, TCGETS2, &t) || t.c_ospeed == warned_speed_) return;
-    warned_speed_ = t.c_ospeed;
-    if (warned_speed_ == baud_) return;
-    fprintf(stderr, "serve: warning: the client has set %u baud; the line runs at %u (variable BAUD)\n",
-            warned_speed_, baud_);
-  }
-
-  unsigned baud_, warned_speed_ = baud_;
-  int master_ = -1, slave_ = -1, inotify_ = -1, clients_ = 0;
-  std::string name_;
+  unsigned baud = 0, bit_time = 0, format = 0, address = 0, init_fd = 0;  // init_fd 0: nothing to load
+  unsigned busy = 0, failure = 0, exception_status = 0, run_indicator = 1, diagnostic = 0;
 };
 
 // The core and its line. Cycle numbers are the only time it knows.
@@ -237,9 +59,9 @@ class Device {
   Device(const Options &options, Terminal &terminal)
       : terminal_(terminal), format_(options.format), driver_(format_, options.bit_time),
         monitor_(format_, options.bit_time) {
-    const double bit = options.bit_time, character = bit * format_.length();
-    t15_ = uint64_t(1.5 * character);
-    t35_ = uint64_t(std::max(3.5 * character, T35_FLOOR_S * CLOCK_HZ));
+    character_ = double(options.bit_time) * format_.length();
+    t15_ = uint64_t(1.5 * character_);
+    t35_ = uint64_t(std::max(3.5 * character_, T35_FLOOR_S * CLOCK_HZ));
     hold_ = t35_ + options.bit_time;  // the core may see t3.5 one bit late
     linger_ = t35_ + uint64_t(LINGER_S * CLOCK_HZ);
     if (!options.trace.empty()) open_trace(options);
@@ -249,10 +71,17 @@ class Device {
     dut_.bit_time_i = options.bit_time;
     dut_.format_i = options.format;
     dut_.busy_i = options.busy;
+    dut_.failure_i = options.failure;
+    dut_.exception_status_i = options.exception_status;
+    dut_.run_indicator_i = options.run_indicator;
     dut_.rst_i = 1;
     for (int i = 0; i < 16; ++i) clock();
     dut_.rst_i = 0;
-    if (options.init_fd >= 0) load(options.init_fd);
+    for (int i = 0; i < 16; ++i) clock();
+    dut_.diagnostic_i = options.diagnostic;  // once: the register keeps them until a master clears it
+    clock();
+    dut_.diagnostic_i = 0;
+    if (options.init_fd) load(int(options.init_fd));
     last_activity_ = cycle_;
     while (!idle()) clock();
   }
@@ -269,10 +98,16 @@ class Device {
   // Takes what clients have sent. What exceeds the queue is dropped, so a flood can neither grow it nor stop us.
   void take_bytes() {
     uint8_t data[4096];
+    const double now = wall_s(), clock_s = 1.0 / CLOCK_HZ;
     for (int i = 0; i < READS_AT_ONCE; ++i) {
       const ssize_t n = terminal_.receive(data, sizeof data);
       if (n <= 0) return;
-      for (ssize_t k = 0; k < n && !full(); ++k) queue_.push_back({data[k], client_});
+      for (ssize_t k = 0; k < n && !full(); ++k) {
+        // A real line would have been silent before this byte: a frame of its own, even if the simulation lags.
+        const bool first = now > carried_s_ + double(t35_) * clock_s;
+        carried_s_ = std::max(carried_s_, now) + character_ * clock_s;
+        queue_.push_back({data[k], first, client_});
+      }
     }
   }
 
@@ -296,6 +131,7 @@ class Device {
  private:
   struct Byte {
     uint8_t data;
+    bool first;  // of a burst
     unsigned client;
   };
 
@@ -327,7 +163,9 @@ class Device {
   bool may_start(const Byte &byte) const {
     const uint64_t silence = cycle_ - last_activity_;
     if (byte.client != playing_) return silence >= linger_;
-    return silence >= hold_ || (inside_burst_ && silence < t15_);
+    // No answer has come: the core may still be at work, on a broadcast say, and deaf.
+    if (inside_burst_) return (silence < t15_ && !byte.first) || silence >= hold_ + uint64_t(WORK_S * CLOCK_HZ);
+    return silence >= hold_;
   }
 
   // Initial contents: lines of "space item value", written through the host port.
@@ -372,32 +210,34 @@ class Device {
   std::deque<Byte> queue_;
   unsigned client_ = 0, playing_ = 0;  // who is connected; who sent what was last on the line
   uint64_t cycle_ = 0, last_activity_ = 0, t15_ = 0, t35_ = 0, hold_ = 0, linger_ = 0;
+  double character_ = 0, carried_s_ = 0;  // clocks of a character; when a real line would have carried all bytes
   bool inside_burst_ = false;
   FILE *trace_ = nullptr;
   int traced_ = -1;
 };
 
 Options parse(int argc, char **argv) {
-  enum { LINK, TRACE, BAUD, BIT_TIME, FORMAT, ADDRESS, BUSY, INIT_FD, DIE_WITH_PARENT };
-  static const option names[] = {{"link", 1, nullptr, LINK},         {"trace", 1, nullptr, TRACE},
-                                 {"baud", 1, nullptr, BAUD},         {"bit-time", 1, nullptr, BIT_TIME},
-                                 {"format", 1, nullptr, FORMAT},     {"address", 1, nullptr, ADDRESS},
-                                 {"busy", 1, nullptr, BUSY},         {"init-fd", 1, nullptr, INIT_FD},
-                                 {"die-with-parent", 0, nullptr, DIE_WITH_PARENT}, {}};
   Options options;
-  for (int c; (c = getopt_long(argc, argv, "", names, nullptr)) != -1;) {
-    const unsigned number = optarg ? unsigned(strtoul(optarg, nullptr, 10)) : 0;
+  const struct {
+    const char *name;
+    unsigned *value;
+  } numbers[] = {{"baud", &options.baud}, {"bit-time", &options.bit_time}, {"format", &options.format},
+                 {"address", &options.address}, {"init-fd", &options.init_fd}, {"busy", &options.busy},
+                 {"failure", &options.failure}, {"exception-status", &options.exception_status},
+                 {"run-indicator", &options.run_indicator}, {"diagnostic", &options.diagnostic}};
+  enum { LINK = 1000, TRACE, DIE_WITH_PARENT };
+  std::vector<option> names = {
+      {"link", 1, nullptr, LINK}, {"trace", 1, nullptr, TRACE}, {"die-with-parent", 0, nullptr, DIE_WITH_PARENT}};
+  for (const auto &number : numbers) names.push_back({number.name, 1, nullptr, int(&number - numbers)});
+  names.push_back({});
+
+  for (int c; (c = getopt_long(argc, argv, "", names.data(), nullptr)) != -1;) {
     switch (c) {
       case LINK: options.link = optarg; break;
       case TRACE: options.trace = optarg; break;
-      case BAUD: options.baud = number; break;
-      case BIT_TIME: options.bit_time = number; break;
-      case FORMAT: options.format = number; break;
-      case ADDRESS: options.address = number; break;
-      case BUSY: options.busy = number; break;
-      case INIT_FD: options.init_fd = int(number); break;
       case DIE_WITH_PARENT: prctl(PR_SET_PDEATHSIG, SIGTERM); break;
-      default: exit(EXIT_BAD_ARGUMENT);
+      case '?': exit(EXIT_BAD_ARGUMENT);
+      default: *numbers[c].value = unsigned(strtoul(optarg, nullptr, 10));
     }
   }
   if (options.link.empty() || !options.baud || !options.bit_time) fail("bridge is started by serve.py");

@@ -4,7 +4,7 @@
 # The live device (make serve) and the demonstration (make demo). Included by the Makefile, which gives
 # APT_STAMP (compilers are installed) and VENV_STAMP (.venv is there). Variables: sim/README.md.
 
-LIVE_VARIABLES := LINK ADDRESS BAUD PARITY STOP INIT MAP TRACE PARAMETERS
+LIVE_VARIABLES := DEVICE LINK ADDRESS BAUD PARITY STOP INIT MAP TRACE PARAMETERS
 
 # make ends with 0 on a signal only if it has become the device: see sim/exec_into.c. That needs `serve`
 # to be the only goal, and no dry run. Where make cannot load the function, the shell's line below starts
@@ -21,7 +21,7 @@ live_quote = '$(subst ','\'',$(1))'
 .PHONY: serve demo
 
 serve: $(APT_STAMP)
-	$(exec_into python3,sim/serve.py,LINK=$(LINK),ADDRESS=$(ADDRESS),BAUD=$(BAUD),PARITY=$(PARITY),\
+	$(exec_into python3,sim/serve.py,DEVICE=$(DEVICE),LINK=$(LINK),ADDRESS=$(ADDRESS),BAUD=$(BAUD),PARITY=$(PARITY),\
 	  STOP=$(STOP),INIT=$(INIT),MAP=$(MAP),TRACE=$(TRACE),PARAMETERS=$(PARAMETERS))
 	@mkdir -p build; exec python3 sim/serve.py DIE_WITH_PARENT=yes \
 	  $(foreach v,$(LIVE_VARIABLES),$(call live_quote,$(v)=$($(v))))

@@ -12,7 +12,6 @@ Needs Python's standard library only, so that `make serve` needs no virtual envi
 import contextlib
 import fcntl
 import hashlib
-import json
 import os
 import re
 import shutil
@@ -21,27 +20,29 @@ import subprocess
 import sys
 from pathlib import Path
 
+from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load
+
 ROOT = Path(__file__).resolve().parents[1]
 CACHE = ROOT / "build" / "live"
-TOP = "modbus_live"
 
 CLOCK_HZ = 1_843_200  # divides 9600 to 115200 baud without rest, and 2 cores simulate it in passing
 BIT_TIMES = range(8, 65536)  # clock cycles per bit that the core takes
 ADDRESSES = range(1, 248)
-ITEMS = 65536  # items a table can have
+ITEMS = len(WORDS)  # a table, or all files together, can have
 
-# Table: space on the bus, parameter prefix, items in the reference map, range of values
-TABLES = {
-    "coils": (0, "COIL", 1024, range(2)),
-    "discretes": (1, "DISCRETE", 2048, range(2)),
-    "inputs": (2, "INPUT", 1024, range(65536)),
-    "holdings": (3, "HOLDING", 2048, range(65536)),
-}
-FILES, RECORDS = range(1, 5), range(256)
-NUMBERS = {"exception_status": range(256), "busy": range(2), "run_indicator": range(2)}
+RECORDS = 10_000  # a file can have
 FORMATS = {("even", 1): 0, ("odd", 1): 1, ("none", 2): 2, ("none", 1): 3}
 
+# DEVICE: top module and its parameters
+DEVICES = {
+    "standard": ("modbus_live", {}),
+    "user": ("modbus_live", {"USER_FUNCTIONS": 1}),
+    "pdm": ("modbus_live_pdm", {}),
+}
+METER = {"coils": range(0), "discretes": range(4), "inputs": range(0), "holdings": range(512)}
+
 DEFAULTS = {
+    "DEVICE": "standard",
     "LINK": "build/modbus",
     "ADDRESS": "17",
     "BAUD": "19200",
@@ -53,10 +54,6 @@ DEFAULTS = {
     "PARAMETERS": "",
     "DIE_WITH_PARENT": "",
 }
-
-
-class BadVariable(Exception):
-    """What to print before ending with status 2."""
 
 
 def number(name, text, allowed):
@@ -85,24 +82,59 @@ def bit_time(text):
     return baud, (CLOCK_HZ + baud // 2) // baud
 
 
-def tables(text):
-    """MAP as {table: range of addresses}."""
+def layout(device, text):
+    """MAP as Layout: tables as {name: range of addresses}, files as (count, records)."""
+    if device == "pdm":
+        if text.strip():
+            raise BadVariable("MAP: the PDM meter has its own map, leave MAP out with DEVICE=pdm")
+        return Layout(METER, (0, 1), meter=True)
     if not text.strip():
-        return {name: range(count) for name, (_, _, count, _) in TABLES.items()}
-    found = {name: range(0) for name in TABLES}
-    named = set()
+        return Layout({name: range(count) for name, (_, _, count, _) in TABLES.items()}, FILES)
+    found, files, named = {name: range(0) for name in TABLES}, (0, 1), set()
     for word in text.split():
-        match = re.fullmatch(r"([a-z]+)=([0-9]{1,5})\+([0-9]{1,5})", word)
-        if not match or match[1] not in TABLES:
-            raise BadVariable(f"MAP: {word}: must be table=base+size, table one of {', '.join(TABLES)}")
-        name, base, size = match[1], int(match[2]), int(match[3])
+        name = word.partition("=")[0]
         if name in named:
             raise BadVariable(f"MAP: {name} is named twice")
-        if base >= ITEMS or base + size > ITEMS:
-            raise BadVariable(f"MAP: {word}: goes past address {ITEMS - 1}")
         named.add(name)
-        found[name] = range(base, base + size)
-    return found
+        if name == "files":
+            files = file_layout(word)
+        else:
+            found[name] = table_layout(name, word)
+    return Layout(found, files)
+
+
+def table_layout(name, word):
+    """table=base+size as a range of addresses."""
+    match = re.fullmatch(r"[a-z]+=([0-9]{1,5})\+([0-9]{1,5})", word)
+    if not match or name not in TABLES:
+        raise BadVariable(f"MAP: {word}: must be table=base+size, table one of {', '.join(TABLES)}; or files=4x256")
+    base, size = int(match[1]), int(match[2])
+    if base >= ITEMS or base + size > ITEMS:
+        raise BadVariable(f"MAP: {word}: goes past address {ITEMS - 1}")
+    return range(base, base + size)
+
+
+def file_layout(word):
+    """files=countxrecords as (count, records)."""
+    match = re.fullmatch(r"files=([0-9]{1,5})x([0-9]{1,5})", word)
+    if not match:
+        raise BadVariable(f"MAP: {word}: must be files=count x records, for example files=4x256")
+    count, records = int(match[1]), int(match[2])
+    if not 1 <= records <= RECORDS:
+        raise BadVariable(f"MAP: {word}: a file has 1 to {RECORDS} records")
+    if count * records > ITEMS or count >= ITEMS:
+        raise BadVariable(f"MAP: {word}: all files together have at most {ITEMS} records")
+    return count, records
+
+
+def table_parameters(place):
+    """Parameters of modbus_live for a Layout."""
+    out = {}
+    if not place.meter:
+        for name, (_, prefix, _, _) in TABLES.items():
+            out |= {f"{prefix}_BASE": place.tables[name].start, f"{prefix}_COUNT": len(place.tables[name])}
+        out |= {"FILE_COUNT": place.files[0], "FILE_RECORDS": place.files[1]}
+    return out
 
 
 def parameters(text):
@@ -114,78 +146,6 @@ def parameters(text):
             raise BadVariable(f"PARAMETERS: {word}: must be NAME=number")
         found[match[1]] = match[2]
     return found
-
-
-def no_duplicates(pairs):
-    """JSON objects in which a key stands twice are refused: one of the values would be lost."""
-    keys = [key for key, _ in pairs]
-    for key in keys:
-        if keys.count(key) > 1:
-            raise BadVariable(f'key "{key}" stands twice')
-    return dict(pairs)
-
-
-def is_integer(value):
-    """JSON true and 1.0 are no numbers of ours."""
-    return isinstance(value, int) and not isinstance(value, bool)
-
-
-def runs(where, entry, addresses, values):
-    """{"start": [values]} checked against a range of addresses and of values, as (address, value)."""
-    if not isinstance(entry, dict):
-        raise BadVariable(f'{where}: must be {{"start address": [values]}}')
-    for start, run in entry.items():
-        if not re.fullmatch(r"[0-9]{1,5}", start):
-            raise BadVariable(f"{where}: {start!r} is no address")
-        if not isinstance(run, list):
-            raise BadVariable(f"{where} {start}: must be a list of values")
-        for address, value in enumerate(run, int(start)):
-            if address not in addresses:
-                raise BadVariable(f"{where}: address {address} is outside the table ({extent(addresses)})")
-            if not is_integer(value) or value not in values:
-                raise BadVariable(f"{where} {address}: {json.dumps(value)} is no number from 0 to {values[-1]}")
-            yield address, value
-
-
-def extent(addresses):
-    """A range of addresses for people."""
-    return f"{addresses[0]} to {addresses[-1]}" if addresses else "no items"
-
-
-def initial(path, layout):
-    """INIT as ([(space, address, value)], {name: number})."""
-    try:
-        document = json.loads(Path(path).read_bytes(), object_pairs_hook=no_duplicates)
-    except OSError as error:
-        raise BadVariable(error.strerror) from None
-    except (ValueError, RecursionError) as error:
-        raise BadVariable(f"not JSON: {error}") from None
-    if not isinstance(document, dict):
-        raise BadVariable("must be a JSON object")
-    items, numbers = [], {}
-    for key, entry in document.items():
-        if key in TABLES:
-            space, values = TABLES[key][0], TABLES[key][3]
-            items += [(space, *item) for item in runs(key, entry, layout[key], values)]
-        elif key == "files":
-            check_files(entry)
-        elif key in NUMBERS:
-            if not is_integer(entry) or entry not in NUMBERS[key]:
-                raise BadVariable(f"{key}: must be a number from 0 to {NUMBERS[key][-1]}")
-            numbers[key] = entry
-        else:
-            raise BadVariable(f'unknown key "{key}"')
-    return items, numbers
-
-
-def check_files(entry):
-    """File records are checked and left: the core has no function for them yet."""
-    if not isinstance(entry, dict):
-        raise BadVariable('files: must be {"file": {"first record": [values]}}')
-    for file, records in entry.items():
-        if not re.fullmatch(r"[0-9]{1,5}", file) or int(file) not in FILES:
-            raise BadVariable(f"files: {file!r} is no file from 1 to {FILES[-1]}")
-        list(runs(f"files {file}", records, RECORDS, range(65536)))
 
 
 def check_link(link):
@@ -209,18 +169,18 @@ def sources():
     """Arguments from rtl/modbus.f, and every file they can draw in."""
     listed = (ROOT / "rtl" / "modbus.f").read_text().split()
     files = [ROOT / name for name in listed if not name.startswith(("+", "-"))]
-    own = [ROOT / "sim" / "modbus_live.v", ROOT / "sim" / "bridge.cpp"]
+    own = [path for pattern in ("modbus_live*.v", "*.cpp", "*.h") for path in (ROOT / "sim").glob(pattern)]
     return sorted({*files, *(ROOT / "rtl").glob("*.vh"), *own})
 
 
-def compiled(values):
-    """Path of the bridge for these core parameters, compiled now unless that was done before."""
+def compiled(top, values):
+    """Path of the bridge for a top module and its parameters, compiled now unless that was done before."""
     command = [
         *("verilator", "--cc", "--exe", "--build", "-j", "2", "-O3", "-Wno-fatal"),
         *("--language", "1364-2005", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
-        *("--top-module", TOP, "--prefix", "Vslave", "-o", "bridge"),
+        *("--top-module", top, "--prefix", "Vslave", "-o", "bridge"),
         *("-MAKEFLAGS", "OPT_FAST=-O3", "-CFLAGS", f"-std=c++17 -DCLOCK_HZ={CLOCK_HZ}"),
-        *("-f", "rtl/modbus.f", "sim/modbus_live.v", str(ROOT / "sim" / "bridge.cpp")),
+        *("-f", "rtl/modbus.f", f"sim/{top}.v", str(ROOT / "sim" / "bridge.cpp")),
         *(f"-G{name}={value}" for name, value in values.items()),
     ]
     digest = hashlib.sha256(" ".join(command).encode())
@@ -238,7 +198,7 @@ def compiled(values):
 
 def build(command, folder, bridge):
     """Run Verilator and the C++ compiler in `folder`; only the finished program reaches `bridge`."""
-    say("compiling the device (10 to 30 s, once for each map)")
+    say("compiling the device (10 to 30 s, once for each map and identity)")
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     log = folder / "build.log"
@@ -298,30 +258,34 @@ def start(given):
     address = number("ADDRESS", values["ADDRESS"], ADDRESSES)
     baud, cycles = bit_time(values["BAUD"])
     code = character_format(values["PARITY"], values["STOP"])
-    layout = tables(values["MAP"])
-    model = {"CLK_HZ": CLOCK_HZ}
-    for name, (_, prefix, _, _) in TABLES.items():
-        model |= {f"{prefix}_BASE": layout[name].start, f"{prefix}_COUNT": len(layout[name])}
-    model |= parameters(values["PARAMETERS"])
-    items, numbers = [], {}
+    device = values["DEVICE"]
+    if device not in DEVICES:
+        raise BadVariable(f"DEVICE={device}: must be {', '.join(DEVICES)}")
+    place = layout(device, values["MAP"])
+    initial = Initial()
     if values["INIT"]:
         try:
-            items, numbers = initial(values["INIT"], layout)
+            initial = load(values["INIT"], place)
         except BadVariable as error:
             raise BadVariable(f"INIT={values['INIT']}: {error}") from None
+    top, model = DEVICES[device]
+    model = {"CLK_HZ": CLOCK_HZ} | model | table_parameters(place) | initial.parameters
+    model |= parameters(values["PARAMETERS"])
     link = values["LINK"]
     check_link(link)
 
-    bridge = compiled(model)
+    bridge = compiled(top, model)
     if check_link(link):
         os.unlink(link)
     arguments = [
         str(bridge),
         *("--link", link, "--baud", str(baud), "--bit-time", str(cycles), "--format", str(code)),
-        *("--address", str(address), "--busy", str(numbers.get("busy", 0))),
+        *("--address", str(address)),
     ]
-    if items:
-        arguments += ["--init-fd", str(init_descriptor(items))]
+    for name, value in initial.inputs.items():
+        arguments += [f"--{name.replace('_', '-')}", str(value)]
+    if initial.items:
+        arguments += ["--init-fd", str(init_descriptor(initial.items))]
     if values["TRACE"]:
         arguments += ["--trace", values["TRACE"]]
     if values["DIE_WITH_PARENT"]:

@@ -7,21 +7,11 @@ Addresses are the zero-based ones of the frames (register 40108 of older texts i
 
 import struct
 
-from mbrtu.defs import COIL_OFF, COIL_ON, EXCEPTION_FLAG, FUNCTIONS, Space
+from mbrtu.defs import COIL_OFF, COIL_ON, EXCEPTION_FLAG, FUNCTIONS, LONGEST_FRAME, Space
 from mbrtu.frames import crc16, text, unpack_bits, unpack_words
+from mbrtu.pdm import RECORD_BYTES, Event
+from words_special import ANSWERS, REQUESTS
 
-# Functions the core does not have (yet), so that a refused request can be named too.
-OTHER_FUNCTIONS = {
-    0x07: "read exception status",
-    0x08: "diagnostics",
-    0x0B: "get comm event counter",
-    0x0C: "get comm event log",
-    0x11: "report slave ID",
-    0x14: "read file record",
-    0x15: "write file record",
-    0x18: "read FIFO queue",
-    0x2B: "encapsulated interface transport",
-}
 EXCEPTIONS = {
     0x01: "illegal function",
     0x02: "illegal data address",
@@ -31,6 +21,8 @@ EXCEPTIONS = {
     0x06: "slave device busy",
     0x07: "negative acknowledge",
     0x08: "memory parity error",
+    0x0A: "gateway path unavailable",
+    0x0B: "gateway target failed to respond",
 }
 ITEMS = {
     Space.COILS: ("coil", "coils"),
@@ -67,13 +59,15 @@ def function_name(code):
     """Name of a function code."""
     if code in FUNCTIONS:
         return FUNCTIONS[code].name
-    return OTHER_FUNCTIONS.get(code, "function unknown")
+    return "function unknown"
 
 
 def broken(frame):
     """What is wrong with the frame as such, or None."""
     if len(frame) < 4:
         return f"{len(frame)} bytes are no frame"
+    if len(frame) > LONGEST_FRAME:
+        return f"{len(frame)} bytes are more than a frame can have"
     if crc16(frame):
         should = crc16(frame[:-2]).to_bytes(2, "little")
         return f"CRC {text(frame[-2:])} is wrong, {text(should)} would be right: no slave may act on it"
@@ -117,6 +111,8 @@ def request_pdu(pdu):
                 f"write {span(function.space, write, quantity)} = {values(unpack_words(pdu[10:]))}, "
                 f"then read {span(function.space, read, count)}"
             )
+        if code in REQUESTS:
+            return REQUESTS[code](pdu)
     except (struct.error, IndexError):
         return f"{function_name(code)}, but the length does not fit"
     return f"{function_name(code)} (function {code:02X})"
@@ -146,11 +142,23 @@ def answer_pdu(asked, pdu):
             return f"{span(function.space, first, count)} = {bits(unpack_bits(pdu[2:], count))}"
         if code in (0x03, 0x04, 0x17):
             first, count = struct.unpack(">HH", asked[1:5])
+            if pdu[1] == RECORD_BYTES != 2 * count:
+                return event_record(pdu[2:])
             return f"{span(function.space, first, count)} = {values(unpack_words(pdu[2:]))}"
         if code in (0x05, 0x06, 0x16):
             return "done (the request is repeated)" if pdu == asked else "done, but not what was asked"
         if code in (0x0F, 0x10):
             return "done: " + span(function.space, *struct.unpack(">HH", pdu[1:]))
+        if code in ANSWERS:
+            return ANSWERS[code](asked, pdu)
     except (struct.error, IndexError):
         return f"answer to {function_name(code)}, but the length does not fit"
     return f"answer to {function_name(code)}: {text(pdu[1:])}"
+
+
+def event_record(record):
+    """The twelve bytes of a PDM meter's event."""
+    number, e = Event.of_record(record)
+    second = f"{e.ms // 1000:02d}.{e.ms % 1000:03d}"
+    at = f"{2000 + e.year}-{e.month:02d}-{e.day:02d} {e.hour:02d}:{e.minute:02d}:{second}"
+    return f"event record {number}: {e.group:02X}{e.code:02X} {'closed' if e.closed else 'open'}, {at}"

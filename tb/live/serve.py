@@ -14,8 +14,8 @@ from pathlib import Path
 from mbrtu import frames
 
 ROOT = Path(__file__).resolve().parents[2]
-START_SECONDS = 240  # the first start of a map compiles it
-VARIABLES = ("LINK", "ADDRESS", "BAUD", "PARITY", "STOP", "INIT", "MAP", "TRACE")
+START_SECONDS = 240  # the first start of a map or an identity compiles it
+VARIABLES = ("DEVICE", "LINK", "ADDRESS", "BAUD", "PARITY", "STOP", "INIT", "MAP", "TRACE")
 
 
 def command(**variables):
