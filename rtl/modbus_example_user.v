@@ -151,7 +151,7 @@ module modbus_example_user #(
       ST_ADD: begin
         left_d = 2'd3;
         if (adr_q > last) begin
-          data_d  = {16'd0, data_q[31:16]} + {16'd0, data_q[15:0]};
+          data_d  = {15'd0, {1'b0, data_q[31:16]} + {1'b0, data_q[15:0]}};
           state_d = ST_PUT;
         end else if (fresh_q) begin
           data_d = {data_q[23:0], user_dat_i};

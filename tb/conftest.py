@@ -57,6 +57,42 @@ def _counts(reporter):
     return passed, failed, len(reporter.stats.get("skipped", []))
 
 
+def _whole(session):
+    """True if nothing was left out of this run, so that what did not run is missing."""
+    config = session.config
+    choices = ("keyword", "markexpr", "deselect", "ignore", "ignore_glob", "lf", "collectonly")
+    chosen = [os.environ.get("CASE"), *(config.getoption(name, default=None) for name in choices)]
+    every = [Path(config.invocation_params.dir, arg).resolve() == TB for arg in config.args]
+    ended = session.shouldstop or session.shouldfail or session.exitstatus not in (0, 1)
+    return bool(every) and all(every) and not any(chosen) and not ended
+
+
+UNSHOWN = pytest.StashKey[list]()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionfinish(session):
+    """After a run of everything: every test that docs/conformance.md names has run, and passed.
+
+    Only the process that all results come to knows that. It counts as one more test.
+    """
+    from mbrtu import conformance
+
+    config = session.config
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None or hasattr(config, "workerinput") or not _whole(session):
+        return
+    results = [
+        (report.nodeid, outcome == "passed", _property(report, "cocotb"))
+        for outcome in ("passed", "failed", "error")
+        for report in reporter.stats.get(outcome, [])
+    ]
+    named = conformance.rows(conformance.DOCUMENT.read_text(encoding="utf-8"))
+    config.stash[UNSHOWN] = conformance.unshown(named, conformance.outcomes(results))
+    if config.stash[UNSHOWN]:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
     reporter = config.pluginmanager.get_plugin("terminalreporter")
@@ -69,6 +105,11 @@ def pytest_unconfigure(config):
         for seconds, name in _simulations(reporter):
             reporter.write_line(f"{seconds:7.1f} s of CPU time {name}")
     passed, failed, skipped = _counts(reporter)
+    if UNSHOWN in config.stash:
+        wrong = config.stash[UNSHOWN]
+        passed, failed = passed + (not wrong), failed + bool(wrong)
+        for text in wrong:
+            reporter.write_line(f"docs/conformance.md, {text}")
     for report in reporter.stats.get("skipped", []):
         reporter.write_line(f"skipped {report.nodeid}: {report.longrepr[2]}")
     more = f", {skipped} skipped" if skipped else ""

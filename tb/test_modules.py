@@ -41,6 +41,9 @@ MODULES = {
     "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank_guard"),
     "bank_ram": ("modbus_bank_ram", TABLES, "bank_bus"),
     "bank_io": ("modbus_bank_io", {}, "bank_bus"),
+    "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "example_user"),
+    "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "pdm_record"),
+    "pdm_record_4": ("modbus_pdm_record", {"DEPTH": 4}, "pdm_record"),
 }
 
 

@@ -7,8 +7,8 @@ import shutil
 import subprocess
 
 import pytest
-from mbrtu.build import function_mask
-from mbrtu.defs import FC
+from mbrtu.build import config_parameters, for_simulator, function_mask, text_value
+from mbrtu.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
 from mbrtu.runner import ROOT, RTL, sources
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
@@ -16,6 +16,17 @@ TOPS = (SLAVE, IO, CORE)
 DOCUMENT = ROOT / "docs" / "parameters.md"
 
 # ------------------------------------------------------------------ illegal parameters
+
+NO_TABLES = dict.fromkeys(("COIL_COUNT", "DISCRETE_COUNT", "INPUT_COUNT", "HOLDING_COUNT"), 0)
+EVERYTHING = config_parameters(
+    {
+        "files": (4, 256),
+        "server_id": bytes(range(16)),
+        "additional_data": bytes(range(234)),
+        "objects": dict.fromkeys(range(7), b"a" * 180) | dict.fromkeys(range(0x80, 0x88), b"b" * 10),
+        "conformity": 0x83,
+    }
+)
 
 LEGAL = [
     (SLAVE, {}),
@@ -27,6 +38,19 @@ LEGAL = [
     (SLAVE, {"OVERLAY": 1, "HOLDING_COUNT": 1}),
     (IO, {"COIL_COUNT": 1, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
     (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS])}),
+    *((CORE, {"FUNCTION_CODES": function_mask([code])}) for code in sorted(ALL_FUNCTIONS)),
+    (CORE, {"FUNCTION_CODES": 0, "USER_CODES": function_mask(range(1, 128))}),
+    (SLAVE, {**EVERYTHING, "USER_CODES": function_mask(range(1, 128))}),
+    (SLAVE, {"FILE_COUNT": 256, "FILE_RECORDS": 256}),
+    (SLAVE, {"FILE_COUNT": 6, "FILE_RECORDS": 10000}),
+    (SLAVE, {"FILE_COUNT": 65535, "FILE_RECORDS": 1}),
+    (SLAVE, {**NO_TABLES, "FILE_COUNT": 1}),
+    *((CORE, {"CONFORMITY": conformity}) for conformity in CONFORMITIES),
+    (CORE, {"DEVICE_ID_LIMIT": 9 + len("PRODUCT")}),
+    (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80\0\x81\1a\xff\2bc")}),
+    (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80" + bytes([LONGEST_OBJECT]) + b"a" * LONGEST_OBJECT)}),
+    # what does not exist is not judged
+    (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS]), "CONFORMITY": 0}),
 ]
 ILLEGAL = [
     (SLAVE, {"COIL_COUNT": 65537}),
@@ -35,7 +59,8 @@ ILLEGAL = [
     (SLAVE, {"DISCRETE_BASE": 65500, "DISCRETE_COUNT": 64}),
     (SLAVE, {"INPUT_BASE": 65536, "INPUT_COUNT": 1}),
     (IO, {"HOLDING_BASE": 65530, "HOLDING_COUNT": 7}),
-    (SLAVE, {"COIL_COUNT": 0, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
+    (SLAVE, NO_TABLES),
+    (IO, NO_TABLES),
     (SLAVE, {"READ_ONLY_BASE": 65535, "READ_ONLY_COUNT": 2}),
     (SLAVE, {"READ_ONLY_COUNT": -1}),
     (SLAVE, {"OVERLAY": 1, "HOLDING_COUNT": 0}),
@@ -52,20 +77,47 @@ ILLEGAL = [
     (CORE, {"T15_MIN_US": -1}),
     (CORE, {"CLK_HZ": 0}),
     (CORE, {"ALIVE_TIMEOUT_MS": -1}),
-    (CORE, {"FUNCTION_CODES": 1 << 7}),
-    (IO, {"FUNCTION_CODES": 1 << 24}),
+    *((CORE, {"FUNCTION_CODES": 1 << code}) for code in (0, 9, 10, 13, 14, 18, 19, 25, 42, 44, 63)),
+    (SLAVE, {"FUNCTION_CODES": 1 << 9}),
+    (IO, {"FUNCTION_CODES": 1 << 44}),
+    (SLAVE, {"FILE_COUNT": -1}),
+    (SLAVE, {"FILE_COUNT": 257, "FILE_RECORDS": 256}),
+    (SLAVE, {"FILE_COUNT": 7, "FILE_RECORDS": 10000}),
+    (SLAVE, {"FILE_COUNT": 65536, "FILE_RECORDS": 1}),
+    (SLAVE, {"FILE_COUNT": 1, "FILE_RECORDS": 10001}),
+    (SLAVE, {"FILE_COUNT": 1, "FILE_RECORDS": 0}),
+    *((CORE, {"SERVER_ID_BYTES": count}) for count in (-1, 0, 17)),
+    *((CORE, {"ADDITIONAL_DATA_BYTES": count}) for count in (-1, 235)),
+    *((CORE, {"CONFORMITY": conformity}) for conformity in (0x00, 0x04, 0x05, 0x43, 0x80, 0x84)),
+    (CORE, {"DEVICE_ID_LIMIT": 254}),
+    (CORE, {"DEVICE_ID_LIMIT": 9 + len("PRODUCT") - 1}),
+    *(
+        (CORE, {"PRIVATE_OBJECTS": text_value(objects)})
+        for objects in (
+            b"\x7f\1a",  # no private number
+            b"\x81\1a\x80\1b",  # not ascending
+            b"\x80\1a\x80\1b",
+            b"\x80\2a",  # less than its length says
+            b"\x80",
+            b"\x80\1a\x90",
+            b"\x80" + bytes([LONGEST_OBJECT + 1]) + b"a" * (LONGEST_OBJECT + 1),
+        )
+    ),
+    (CORE, config_parameters({"objects": dict.fromkeys((*range(7), 0x80, 0x81), b"a" * LONGEST_OBJECT)})),
 ]
 
 
 def name(case):
     """A test's name for (top, parameters)."""
     top, parameters = case
-    return "-".join([top.removeprefix("modbus_rtu_"), *(f"{k}={v}" for k, v in parameters.items())])
+    values = {k: v if v < 1 << 31 else f"{v:#x}"[:20] for k, v in parameters.items()}
+    return "-".join([top.removeprefix("modbus_rtu_"), *(f"{k}={v}" for k, v in values.items())])
 
 
 def elaborate(tool, top, parameters):
     """(exit status, messages) of elaborating `top`."""
     files, folders = sources()
+    parameters = for_simulator(tool, parameters)
     if tool == "icarus":
         command = ["iverilog", "-g2005", "-Wall", "-tnull", "-s", top]
         command += [f"-I{f}" for f in folders] + [f"-P{top}.{k}={v}" for k, v in parameters.items()]
@@ -151,10 +203,13 @@ def test_every_port_is_documented():
 
 
 def number(text):
-    """Value of a Verilog or plain number."""
-    text = text.strip().strip("`").replace("_", "").replace(" ", "")
-    based = re.fullmatch(r"\d*'[hH]([0-9a-fA-F]+)", text)
-    return int(based[1], 16) if based else int(text, 0)
+    """Value of a Verilog or plain number, or a text in quotes."""
+    text = text.strip().strip("`")
+    if text.startswith('"'):
+        return text
+    text = text.replace("_", "").replace(" ", "")
+    based = re.fullmatch(r"\d*'([hHdD])([0-9a-fA-F]+)", text)
+    return int(based[2], 16 if based[1] in "hH" else 10) if based else int(text, 0)
 
 
 @pytest.mark.parametrize("top", TOPS)

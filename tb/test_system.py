@@ -3,11 +3,13 @@
 """The whole slave in cocotb: which build runs which topics, on which simulator."""
 
 import pytest
-from mbrtu.build import NO_FLOORS, REFERENCE, function_mask, table_parameters
-from mbrtu.defs import FC, Space
+from mbrtu import vectors
+from mbrtu.build import NO_FLOORS, REFERENCE, config_parameters, function_mask, table_parameters
+from mbrtu.defs import ALL_FUNCTIONS, CONFORMITIES, DIAGNOSTIC_FUNCTIONS, FC, FILE_FUNCTIONS, Space
 from mbrtu.runner import run
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
+PDM = "modbus_pdm_meter"
 
 FAST = {**REFERENCE, **NO_FLOORS}  # the live device's map; t1.5 and t3.5 in characters only
 MAPPED = {
@@ -69,12 +71,94 @@ IO_MAPPED = {
         }
     ),
 }
+# The example's own codes, built-in ones that it passes, one that nobody has
+EXAMPLE_USER = {
+    **NO_FLOORS,
+    "USER_CODES": function_mask(
+        (0x41, 0x42, 0x64, FC.READ_HOLDINGS, FC.WRITE_REGISTER, FC.READ_EXCEPTION_STATUS, FC.DIAGNOSTICS, 0x6E)
+    ),
+    "WORK_CLOCKS": 2000,
+}
+PDM_REGISTERS = {**NO_FLOORS, "DI_COUNT": 0, "DO_COUNT": 0, "EVENT_DEPTH": 4}
+PDM_WIDE = {**NO_FLOORS, "DI_COUNT": 19, "DO_COUNT": 9, "SETTING_COUNT": 300, "MEASURED_COUNT": 2}
 IO_READ_ONLY = {**IO_MAPPED, "READ_ONLY_BASE": 404, "READ_ONLY_COUNT": 2}
+
+
+def example(name):
+    """The build that a printed example needs."""
+    vector = next(v for v in vectors.playable() if v["id"] == name)
+    return {**FAST, **config_parameters(vectors.build_items(vector))}
+
+
+def identity(**items):
+    """A build with these fields of the model's Config: objects as {id: text or length}, conformity, ..."""
+    objects = {
+        i: value.encode() if isinstance(value, str) else bytes(33 + (i + place) % 90 for place in range(value))
+        for i, value in items.pop("objects").items()
+    }
+    return {**FAST, **config_parameters({"objects": objects, **items})}
+
+
+WHO = {0: "Works", 1: "P-17", 2: "V2", 3: "http://x", 5: "Model", 6: "app", 0x80: "a", 0x81: 30, 0xFF: "last"}
+OBJECTS = {
+    f"identity_{conformity:02X}": identity(objects=WHO, conformity=conformity, device_id_limit=64)
+    for conformity in CONFORMITIES
+}
+CONFORMITY_TESTS = {"identity_01": "once|alone|not_there", "identity_83": None}
+# An answer of 253 bytes: 7, then an object of 2 + 100, and 144 are left.
+SEGMENTS = {
+    "identity_fits": identity(objects={0: 100, 1: 142, 2: "V1"}, server_id=b"\x01\x02"),
+    "identity_below": identity(objects={0: 100, 1: 141, 2: "V1"}, server_id=bytes(range(1, 17))),
+    "identity_above": identity(
+        objects={0: 100, 1: 143, 2: 1, 0x80: 244, 0x90: 244},
+        conformity=0x83,
+        server_id=bytes(range(0xF0, 0x100)),
+        additional_data=bytes(range(234)),
+    ),
+    # the first three end at the limit
+    "identity_small": identity(objects={0: 8, 1: 8, 2: 2, 3: 1, 4: 9, 6: 18}, conformity=0x82, device_id_limit=31),
+}
+
+# Those for users by the standard, one without a name, one at each end, and some that are built in.
+USER_CODES = (1, *range(65, 73), *range(100, 111), 0x09, 127, *(FC.READ_HOLDINGS, FC.WRITE_REGISTERS))
+USED = {**FAST, "USER_CODES": function_mask((*USER_CODES, FC.DIAGNOSTICS, FC.READ_DEVICE_ID))}
+
+
+def only(*codes, **parameters):
+    """A build with these functions."""
+    return {**FAST, "FUNCTION_CODES": function_mask(codes), **parameters}
+
+
+def without(*codes, **parameters):
+    """A build with all functions but these."""
+    return only(*ALL_FUNCTIONS - set(codes), **parameters)
+
+
+OPTIONAL = (0x07, *sorted(DIAGNOSTIC_FUNCTIONS), 0x11, *sorted(FILE_FUNCTIONS), 0x18, 0x2B)
+LEFT_OUT = {
+    **{f"without_{code:02X}": without(code) for code in OPTIONAL},
+    "without_08_0B": without(FC.DIAGNOSTICS, FC.GET_EVENT_COUNTER),
+    "without_diagnostics": without(*DIAGNOSTIC_FUNCTIONS),
+    "without_files": without(*FILE_FUNCTIONS),
+    "only_03": only(FC.READ_HOLDINGS),
+    "only_08": only(FC.DIAGNOSTICS),
+    "only_0B": only(FC.GET_EVENT_COUNTER),
+    "only_basic": only(*range(1, 7), FC.WRITE_COILS, FC.WRITE_REGISTERS),
+    "only_03_used": only(FC.READ_HOLDINGS, USER_CODES=function_mask((3, 4, 7, 8, 65, 127))),
+    "without_diagnostics_used": without(*DIAGNOSTIC_FUNCTIONS, USER_CODES=function_mask((8, 0x0B, 65))),
+}
+LEFT_OUT_TESTS = {
+    **dict.fromkeys(("without_08", "without_08_0B", "without_diagnostics", "only_03", "only_08"), "each|counted"),
+    **dict.fromkeys((name for name in LEFT_OUT if name.endswith("_used")), "user"),
+}
 
 # name: (top, parameters, cocotb modules, names of cocotb tests or None for all)
 SUITES = {
     "vectors": (SLAVE, FAST, "vectors_at_pins", None),
     "vectors_meter": (SLAVE, METER, "vectors_at_pins", None),
+    "vectors_984": (SLAVE, example("S000-FIG32-33-984"), "vectors_at_pins", None),
+    "vectors_identity": (SLAVE, example("V11B3-6.21-ONE"), "vectors_at_pins", None),
+    "vectors_segments": (SLAVE, example("V11B3-6.21-TWO-1"), "vectors_at_pins", None),
     "line_faults": (SLAVE, FAST, "line_faults", None),
     "line_faults_floors": (SLAVE, SLOW_CLOCK, "line_faults", "gap|after_reset|right_after|truncated"),
     "functions_mapped": (SLAVE, MAPPED, "functions", None),
@@ -92,8 +176,30 @@ SUITES = {
     "io_mapped": (IO, IO_MAPPED, "io_bank", None),
     "io_functions": (IO, IO_MAPPED, "functions", "address_limits|write_quantity|mask|order|broadcast"),
     "io_read_only": (IO, IO_READ_ONLY, "functions", "read_only|lock"),
+    "diagnostics_counters": (SLAVE, FAST, "diagnostics_counters", None),
+    "diagnostics_modes": (SLAVE, FAST, "diagnostics_modes", None),
+    **{name: (SLAVE, build, "identity", CONFORMITY_TESTS.get(name, "once|alone")) for name, build in OBJECTS.items()},
+    **{name: (SLAVE, build, "identity", "once/code=3|server_id") for name, build in SEGMENTS.items()},
+    "files": (SLAVE, FAST, "files", None),
+    "files_ten": (SLAVE, {**FAST, "FILE_COUNT": 10, "FILE_RECORDS": 8}, "files", "order_of|record_limits|port"),
+    "files_long": (SLAVE, {**FAST, "FILE_COUNT": 6, "FILE_RECORDS": 10000}, "files", "record_limits|port"),
+    "fifo": (SLAVE, MAPPED, "fifo", None),
+    "fifo_whole": (SLAVE, WHOLE, "fifo", "end_of"),
+    "core_files": (CORE, NO_FLOORS, "core_files", None),
+    "user_port": (SLAVE, USED, "user_port", None),
+    **{
+        f"left_out_{name}": (SLAVE, build, "left_out", LEFT_OUT_TESTS.get(name, "each"))
+        for name, build in LEFT_OUT.items()
+    },
+    "left_out_no_files": (SLAVE, NO_FLOORS, "left_out", "each"),
+    "left_out_io": (IO, IO_MAPPED, "left_out", "each|counted"),
     "core_bus": (CORE, NO_FLOORS, "core_bus", None),
     "random": (SLAVE, MAPPED, "random_requests", None),
+    "example_user": ("example_bench", EXAMPLE_USER, "example_user", None),
+    "pdm_meter": (PDM, NO_FLOORS, "pdm_meter", None),
+    "pdm_meter_standard": (PDM, {**NO_FLOORS, "EVENT_RECORD": 0}, "pdm_meter", "printed|random|host"),
+    "pdm_meter_registers": (PDM, PDM_REGISTERS, "pdm_meter", "printed|random|other|record"),
+    "pdm_meter_wide": (PDM, PDM_WIDE, "pdm_meter", "inputs|relays|settings|reset"),
 }
 # Verilator takes some ten seconds for each build, so it runs a selection.
 ON_VERILATOR = ("line_faults", "speed", "options", "core_bus")

@@ -13,10 +13,11 @@ from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer, with_timeout
 
 from . import build, frames
-from .defs import ERRORS, F8E1, FORMAT_BY_NAME, Space, bus_address
+from .defs import ERRORS, F8E1, FORMAT_BY_NAME, RESTARTED, Space, bus_address
 from .frames import text
 from .line import Line
 from .model import Slave, characters, split
+from .readout import Readout
 
 CLOCK_PS = 20_000
 TOP = os.environ.get("BENCH_TOP", "modbus_rtu_slave")
@@ -25,6 +26,15 @@ PATIENCE_CLOCKS = 30_000  # for an answer that must come
 PROCESSING_CLOCKS = 250  # from t3.5 to the answer of a short request, whatever the bit time
 HOST_PATIENCE_US = 5_000
 STRAGGLER_BITS = 16  # a character that began in the last moment of a noise
+
+# Inputs that rest at 0 until something drives them.
+AT_REST = (
+    *(f"host_{name}_i" for name in ("cyc", "stb", "we", "adr", "dat")),
+    *(f"counter_{name}_i" for name in ("stb", "adr")),
+    *(f"user_{name}_i" for name in ("adr", "dat", "put", "done", "pass", "exception")),
+    "discretes_i",
+    "inputs_i",
+)
 
 _dirty = set()  # items of the device that an earlier test left other than 0
 
@@ -45,10 +55,18 @@ class Setup:
     de_tail: int = 0
     busy: int = 0
     write_lock: int = 0
+    failure: int = 0
+    exception_status: int = 0
+    run_indicator: int = 1
+    diagnostic: int = 0
 
 
-class Bench:
-    """Everything a test touches. `await Bench.start(dut, **setup)`; `setup` are fields of Setup."""
+class Bench(Readout):
+    """Everything a test touches. `await Bench.start(dut, **setup)`; `setup` are fields of Setup.
+
+    `in_step` is False once a test has driven the line without the model: what the device has counted and
+    logged is then no longer known, until the next reset.
+    """
 
     def __init__(self, dut, seed):
         self.dut, self.rng = dut, random.Random(seed)
@@ -59,15 +77,14 @@ class Bench:
         self.slave = Slave(build.model_config(TOP, PARAMETERS))
         self.has_host = hasattr(dut, "host_cyc_i")
         self.longest_latency = 0.0
+        self.in_step, self._playing_both = True, False
+        self.line.play = self._noted(self.line.play)
 
     @classmethod
     async def start(cls, dut, seed=1, **setup):
         """Clock, inputs, reset; returns when the line has been silent for t3.5."""
         bench = cls(dut, seed)
-        for port in ("host_cyc_i", "host_stb_i", "host_we_i", "host_adr_i", "host_dat_i"):
-            if bench.has_host:
-                getattr(dut, port).value = 0
-        for port in ("discretes_i", "inputs_i"):
+        for port in AT_REST:
             if hasattr(dut, port):
                 getattr(dut, port).value = 0
         dut.rst_i.value = 1
@@ -99,13 +116,23 @@ class Bench:
         while True:
             await RisingEdge(dut.write_stb_o)
             await ReadOnly()
-            self.writes.append(
-                (
-                    Space(int(dut.write_space_o.value)),
-                    int(dut.write_first_o.value),
-                    int(dut.write_last_o.value),
-                )
-            )
+            while int(dut.write_stb_o.value):  # each clock of it is a write
+                space = Space(int(dut.write_space_o.value))
+                pulse = (space, int(dut.write_first_o.value), int(dut.write_last_o.value))
+                if space == Space.FILES:
+                    pulse += (int(dut.write_file_o.value),)
+                self.writes.append(pulse)
+                await RisingEdge(dut.clk_i)
+                await ReadOnly()
+
+    def _noted(self, play):
+        """`play` of the line, noting what the model does not hear of."""
+
+        async def noted(edges):
+            self.in_step &= self._playing_both
+            await play(edges)
+
+        return noted
 
     # -------------------------------------------------------------- configuration and time
 
@@ -124,7 +151,10 @@ class Bench:
         config.address = self.setup.address
         config.broadcast = bool(self.setup.broadcast_en)
         config.gap_count_only = bool(self.setup.gap_count_only)
-        self.slave.busy, self.slave.write_lock = bool(self.setup.busy), bool(self.setup.write_lock)
+        slave = self.slave
+        slave.busy, slave.write_lock = bool(self.setup.busy), bool(self.setup.write_lock)
+        slave.failure, slave.exception_status = self.setup.failure, self.setup.exception_status
+        slave.run_indicator, slave.diagnostic_bits = bool(self.setup.run_indicator), self.setup.diagnostic
         t15, t35 = build.silences(PARAMETERS, self.setup.fmt, self.setup.bit_time)
         self.t15, self.t35 = t15 * CLOCK_PS, t35 * CLOCK_PS
         config.t15, config.t35 = t15 / self.character, t35 / self.character
@@ -146,6 +176,8 @@ class Bench:
         await RisingEdge(self.dut.clk_i)
         self.dut.rst_i.value = 0
         self.line.forget()
+        self.slave.reset()
+        self.in_step = True
 
     async def silence(self, bits=4):
         """t3.5 and some bits more."""
@@ -168,10 +200,18 @@ class Bench:
             patience = PATIENCE_CLOCKS * CLOCK_PS + self.setup.response_delay * self.bit
         return await self.line.answer(self.t35 + patience)
 
-    async def both(self, line, patience=None, note="", timing=True, **how):
+    async def send(self, line, **how):
+        """Send `line` and stay in step: the caller tells the model what is heard of it. The end's time in ps."""
+        self._playing_both = True
+        self.sent = await self.line.send(line, **how)
+        self._playing_both = False
+        return self.sent
+
+    async def both(self, line, patience=None, note="", timing=True, listen=True, **how):
         """Play `line` to model and device and compare: answer, strobes, writes, answer's timing.
 
         A silence of t3.5 inside `line` makes several frames of it; only the last may be answered.
+        After a restart the line is left silent until the device listens again, if `listen`.
         Returns the answer bytes (None: silence).
         """
         self.strobes.clear()
@@ -179,17 +219,22 @@ class Bench:
         must, may, good, written, expected = set(), set(), 0, [], None
         for piece in split(line, self.slave.config.t35):
             assert expected is None, "the bench cannot send while the device answers"
+            assert not self.slave.ambiguous, "the bench cannot settle what came before the last silence"
             expected = self.slave.request(piece)
             must |= self.slave.errors
             may |= self.slave.allowed
             good += self.slave.good
             written += self.slave.written
-        self.touched |= {(s, a) for s, first, last in written for a in range(first, last + 1)}
+            self.touched |= self.slave.touched
         if patience is None and expected is None:
             long = good and len(line) > 24  # a broadcast that may take its time
-            patience = (6 * self.bit + 64 * CLOCK_PS) if not long else None
+            patience = 6 * self.bit + (PROCESSING_CLOCKS if good else 64) * CLOCK_PS if not long else None
+        self._playing_both = True
         got = await self.query(line, patience, **how)
-        data = got and got.data
+        self._playing_both = False
+        data, self.last_answer = got and got.data, got
+        if self.slave.ambiguous:
+            self.slave.adopt(bool(self.strobes["long"]))
         shown = f"{note} {text([c.byte for c in characters(line)])}"
         assert data == expected, f"{shown}: expected {text(expected)}, seen {text(data)}"
         self._compare_strobes(shown, must, may, good)
@@ -197,6 +242,8 @@ class Bench:
             assert self.writes == written, f"{shown}: expected write pulses {written}, seen {self.writes}"
         if got and timing:
             self._check_timing(got, shown)
+        if listen and self.slave.log and self.slave.log[0] == RESTARTED:
+            await self.silence()
         return data
 
     def _compare_strobes(self, shown, must, may, good):
@@ -226,7 +273,7 @@ class Bench:
         )
 
     async def finish(self):
-        """Nothing may come after the last answer; the line is at rest; memory is the model's.
+        """Nothing may come after the last answer; the line is at rest; memory, counters, log are the model's.
 
         The next test begins with cleared memory.
         """
@@ -236,6 +283,8 @@ class Bench:
         assert int(self.dut.de_o.value) == 0, "de_o is high at rest"
         if self.has_host or hasattr(self.dut, "holdings_o"):
             await self.compare(sorted(self.touched))
+        if self.in_step:
+            await self.compare_counters("at the end")
 
     async def clean(self):
         """Set what earlier tests have written to 0, as after power-up."""
@@ -269,12 +318,13 @@ class Bench:
 
     async def preset(self, key, value):
         """Put `value` at `key` = (space, address) of the device and of the model."""
-        self.slave.memory[key] = value
         self.touched.add(key)
+        space, address = key
+        if self.has_host or space in (Space.DISCRETES, Space.INPUTS):
+            self.slave.memory[key] = value
         if self.has_host:
             assert await self.host(*key, write=value) is not None, f"host cannot write {key}"
             return
-        space, address = key
         if space in (Space.DISCRETES, Space.INPUTS):
             self._io_inputs()
             return
@@ -282,8 +332,7 @@ class Bench:
             pdu = frames.write_coil(address, value)
         else:
             pdu = frames.write_register(address, value)
-        await self.query(frames.adu(self.setup.address, pdu))
-        self.slave.memory[key] = await self.read_back(key)  # the old value if it is read-only
+        await self.both(frames.adu(self.setup.address, pdu))
 
     def _io_inputs(self):
         """The input vectors of the I/O drop-in, from the model's tables."""

@@ -21,6 +21,8 @@ from pathlib import Path
 import pytest
 from cocotb_tools.runner import get_runner
 
+from .build import for_simulator
+
 ROOT = Path(__file__).resolve().parents[2]
 TB = ROOT / "tb"
 PRODUCTS = Path(os.environ.get("BENCH_BUILD", ROOT / "build" / "tb"))
@@ -99,7 +101,7 @@ def build(sim, top, parameters, own=""):
             includes=folders,
             hdl_toplevel=top,
             build_dir=folder,
-            parameters=parameters,
+            parameters=for_simulator(sim, parameters),
             timescale=("1ns", "1ps"),
             always=sim == "icarus",
             build_args=arguments,

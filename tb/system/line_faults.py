@@ -137,8 +137,8 @@ async def short_frames_with_right_crc(dut):
     for start in (b"", b"\x11"):
         assert await tb.both(frames.sealed(start)) is None
         assert tb.strobes["short"] == 1
-    answer = await tb.both(frames.adu(OWN, b"\x07"))  # four bytes are a frame
-    assert answer == frames.adu(OWN, b"\x87\x01")
+    answer = await tb.both(frames.adu(OWN, b"\x09"))  # four bytes are a frame
+    assert answer == frames.adu(OWN, b"\x89\x01")
     await tb.finish()
 
 

@@ -1,34 +1,88 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Every printed example of the implemented functions, at the pins with RTU timing."""
+"""Every printed example at the pins with RTU timing: answer, memory, counters, log, mode afterwards."""
 
 import cocotb
-from mbrtu import bench, build, vectors
+from mbrtu import bench, build, frames, vectors
+from mbrtu.defs import LONGEST_FRAME, OVERRUN_FLAG, RECEIVED, RECEIVED_ERROR
+from mbrtu.readout import LAST_ACTION_CLOCKS, named
 
+BUILT = build.model_config(bench.TOP, bench.PARAMETERS)
 LIMITS_BUILT = {
     field: bench.PARAMETERS[name] for name, field in build.LIMIT_PARAMETERS.items() if name in bench.PARAMETERS
 }
+IDENTITY = ("server_id", "additional_data", "objects", "conformity", "device_id_limit")
 
 
 def belongs(vector):
-    """A vector that overrides a limit belongs to the build that has it, the others to the plain one."""
-    wanted = vectors.limits(vector)
-    return bool(wanted) == bool(LIMITS_BUILT) and wanted.items() <= LIMITS_BUILT.items()
+    """An example that needs other limits or another identity belongs to the build that has them."""
+    wanted, presumed = vectors.limits(vector), vectors.config(vector)
+    identity = all(getattr(BUILT, name) == getattr(presumed, name) for name in IDENTITY)
+    return identity and bool(wanted) == bool(LIMITS_BUILT) and wanted.items() <= LIMITS_BUILT.items()
 
 
-CASES = [v for v in vectors.playable() if belongs(v)]
+CASES = {v["id"]: v for v in vectors.playable() if belongs(v)}
+
+
+async def prepare(tb, vector):
+    """Bring device and model into the state that the example presumes; returns what the log holds beyond it."""
+    for key, value in vectors.contents(vector["preconditions"], BUILT.files[1]):
+        await tb.preset(key, value)
+    state = vectors.state(vector["preconditions"])
+    tb.apply(**{name: state[name] for name in vectors.INPUTS if name in state})
+    register = state.get("diagnostic_register", 0)
+    tb.apply(diagnostic=register & ~OVERRUN_FLAG)
+    await tb.clocks(2)
+    tb.apply(diagnostic=0)
+    if register & OVERRUN_FLAG:
+        await tb.both(bytes(LONGEST_FRAME + 1))
+    if "event_log" in state:
+        await make_log(tb, state["event_log"])
+    if vectors.needs_backdoor(vector) or register & OVERRUN_FLAG:
+        await tb.load_counters(**{name: state.get("counters", {}).get(name, 0) for name in tb.slave.counters})
+    await tb.compare_counters(vector["id"])
+    return [] if "event_log" in state else list(tb.slave.log)
+
+
+async def make_log(tb, events):
+    """A log of one event that no traffic makes on top of a restart; newest first."""
+    newest, restarted = events
+    await tb.both(frames.adu(tb.setup.address, frames.restart(clear_log=True)))
+    await tb.both(bytes(2))
+    assert not restarted and tb.slave.log == [RECEIVED | RECEIVED_ERROR, restarted]
+    await tb.forge_event(RECEIVED | RECEIVED_ERROR, newest)
+
+
+async def afterwards(tb, vector, older):
+    """What the device holds must be what is printed."""
+    await tb.clocks(LAST_ACTION_CLOCKS)
+    for key, value in vectors.contents(vector["postconditions"], BUILT.files[1]):
+        held = await tb.read_back(key)
+        assert held == value, f"{key}: printed {value:04X}, holds {held}"
+    state = vectors.state(vector["postconditions"])
+    for name, port in (("listen_only", tb.dut.listen_only_o), ("diagnostic_register", tb.dut.diagnostic_register_o)):
+        if name in state:
+            assert int(port.value) == state[name], f"{name}: printed {state[name]:X}, is {int(port.value):X}"
+    counters, log = vectors.counters(vector), vectors.event_log(vector)
+    if counters is not None:
+        seen = await tb.read_counters()
+        assert seen == counters, f"printed {counters}, seen {seen}"
+    if log is not None:
+        seen = await tb.read_log()
+        assert seen == log + older, f"printed {named(log)} on {named(older)}, seen {named(seen)}"
 
 
 @cocotb.test()
-@cocotb.parametrize(vector=[v["id"] for v in CASES])
+@cocotb.parametrize(vector=list(CASES))
 async def printed_example_plays(dut, vector):
-    case = next(v for v in CASES if v["id"] == vector)
+    case = CASES[vector]
     tb = await bench.Bench.start(dut, address=case["slave_address"], bit_time=16)
-    for key, value in vectors.contents(case["preconditions"]):
-        await tb.preset(key, value)
-    seen = await tb.both(vectors.frame(case["request"]))
-    assert seen == vectors.frame(case["expected_response"]), f"printed {case['expected_response']}"
-    for key, value in vectors.contents(case["postconditions"]):
-        held = await tb.read_back(key)
-        assert held == value, f"{key}: printed {value:04X}, holds {held}"
+    older = None  # than what is printed
+    for step in (*vectors.before(case), case):
+        log = await prepare(tb, step)
+        older = log if older is None else older
+        for _ in range(vectors.repeat(step)):
+            seen = await tb.both(vectors.frame(step["request"]))
+            assert seen == vectors.frame(step["expected_response"]), f"printed {step['expected_response']}"
+        await afterwards(tb, step, older)
     await tb.finish()
