@@ -32,6 +32,7 @@
 `define MB_EX_ILLEGAL_DATA_ADDRESS 4'h2
 `define MB_EX_ILLEGAL_DATA_VALUE   4'h3
 `define MB_EX_DEVICE_FAILURE       4'h4
+`define MB_EX_ACKNOWLEDGE          4'h5
 `define MB_EX_DEVICE_BUSY          4'h6
 `define MB_EX_NEGATIVE_ACKNOWLEDGE 4'h7
 

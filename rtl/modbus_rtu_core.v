@@ -12,6 +12,7 @@
 
 `default_nettype none
 `include "modbus_defs.vh"
+`include "modbus_steps.vh"
 
 module modbus_rtu_core #(
   parameter integer CLK_HZ              = 50000000,      // clk_i in hertz

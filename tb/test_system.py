@@ -137,18 +137,15 @@ def without(*codes, **parameters):
 OPTIONAL = (0x07, *sorted(DIAGNOSTIC_FUNCTIONS), 0x11, *sorted(FILE_FUNCTIONS), 0x18, 0x2B)
 LEFT_OUT = {
     **{f"without_{code:02X}": without(code) for code in OPTIONAL},
-    "without_08_0B": without(FC.DIAGNOSTICS, FC.GET_EVENT_COUNTER),
     "without_diagnostics": without(*DIAGNOSTIC_FUNCTIONS),
-    "without_files": without(*FILE_FUNCTIONS),
     "only_03": only(FC.READ_HOLDINGS),
     "only_08": only(FC.DIAGNOSTICS),
-    "only_0B": only(FC.GET_EVENT_COUNTER),
     "only_basic": only(*range(1, 7), FC.WRITE_COILS, FC.WRITE_REGISTERS),
     "only_03_used": only(FC.READ_HOLDINGS, USER_CODES=function_mask((3, 4, 7, 8, 65, 127))),
     "without_diagnostics_used": without(*DIAGNOSTIC_FUNCTIONS, USER_CODES=function_mask((8, 0x0B, 65))),
 }
 LEFT_OUT_TESTS = {
-    **dict.fromkeys(("without_08", "without_08_0B", "without_diagnostics", "only_03", "only_08"), "each|counted"),
+    **dict.fromkeys(("without_08", "without_diagnostics", "only_08"), "each|counted"),
     **dict.fromkeys((name for name in LEFT_OUT if name.endswith("_used")), "user"),
 }
 

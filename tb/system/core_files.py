@@ -68,7 +68,7 @@ def judge(tb, pdu):
 
 
 @cocotb.test()
-@cocotb.parametrize(wait=[0, 1, 2, 7, 50])
+@cocotb.parametrize(wait=[0, 1, 7])
 async def bank_waits(dut, wait):
     tb = await bench(dut)
     fill(tb)
@@ -83,7 +83,7 @@ async def bank_waits(dut, wait):
 async def bank_waits_at_random(dut):
     tb = await bench(dut)
     fill(tb)
-    for _ in range(3):
+    for _ in range(2):
         for pdu in (READ, WRITE, FIFO):
             await ask(
                 tb,
@@ -96,7 +96,7 @@ async def bank_waits_at_random(dut):
 
 
 @cocotb.test()
-@cocotb.parametrize(code=[2, 4, 5, 6, 7, 8, 10, 11])
+@cocotb.parametrize(code=[2, 8, 11])
 async def any_group_refused_and_nothing_is_accessed(dut, code):
     """The bank's code is the answer, whichever group it dislikes; those behind are not asked for."""
     tb = await bench(dut)
@@ -114,7 +114,7 @@ async def any_group_refused_and_nothing_is_accessed(dut, code):
 
 
 @cocotb.test()
-@cocotb.parametrize(code=[2, 4, 6, 7])
+@cocotb.parametrize(code=[2, 7])
 async def queue_refused_twice(dut, code):
     """The count alone, then count and entries: either question may be refused."""
     tb = await bench(dut)
@@ -136,7 +136,7 @@ async def queue_refused_twice(dut, code):
 
 
 @cocotb.test()
-@cocotb.parametrize(code=[0, 4, 8])
+@cocotb.parametrize(code=[0, 8])
 async def error_in_a_burst(dut, code):
     """err on any beat ends everything with its code (none: 04); what was written stays, no later beat."""
     tb = await bench(dut)

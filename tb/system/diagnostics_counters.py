@@ -199,7 +199,7 @@ async def log_holds_64_newest_first(dut):
         (frames.adu(OTHER, READ), "frames", ""),
     ]
     lengths = set()
-    while len(story.log) < LOG_SIZE or sum(story.counters.values()) < 240:
+    while len(story.log) < LOG_SIZE or sum(story.counters.values()) < 150:
         line, counts, events = story.tb.rng.choice(kinds)
         await story.step(line, counts, events)
         if len(story.log) not in lengths and len(story.log) in (1, 2, 61, 62, 63, 64):

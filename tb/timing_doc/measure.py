@@ -405,7 +405,7 @@ def holds(rules, delay):
             first, group, register = numbers
             left, most = int(budget - delay) - first, MOST_RECORDS[name]
             one = min((left - group) // register, most)
-            return f"1 group of {'all ' if one == most else ''}{one}, or {left // (group + register)} groups of 1"
+            return f"one group of {'all ' if one == most else ''}{one}; groups of 1: {left // (group + register)}"
 
         return name, of
 
