@@ -130,7 +130,7 @@ module modbus_dispatch #(
   reg        count_held_q;           // count was the held byte a clock ago
   reg        zero_q;                 // the byte was 0 a clock ago
   reg        left_q, no_words_q;     // so many bytes were left a clock ago: not 0; none, an odd number, or less
-  reg        unready_q;              // the host was busy or had failed a clock ago
+  reg [3:0]  unready_q;              // exception code of a host that was busy or had failed a clock ago, 0: neither
   reg        restart_q = 1'b0;
   reg        same_q;                 // the byte was the held one or the literal a clock ago
   reg        holds_q;                // the condition of IF held a clock ago
@@ -182,7 +182,7 @@ module modbus_dispatch #(
                    | (is_total & fourth & too_long_i)
                    | negative;
   wire bad_address = is_range & fourth & (over_i | (argument[1] & beyond_i));
-  wire unready     = is_jump & (argument[10:9] == `MB_JUMP_READY) & unready_q;
+  wire unready     = is_jump & (argument[10:9] == `MB_JUMP_READY) & (unready_q != 4'd0);
   wire unmatched   = is_match & second & ~same_q & (argument[10:8] != 3'd0);
   wire illegal     = is_jump & argument[9] & (argument[10] | broadcast_q);
   wire user_fail   = is_offer & user_fail_i;
@@ -194,7 +194,7 @@ module modbus_dispatch #(
                      is_range              ? `MB_EX_ILLEGAL_DATA_ADDRESS :
                      ~is_jump              ? `MB_EX_ILLEGAL_DATA_VALUE :
                      argument[9]           ? `MB_EX_ILLEGAL_FUNCTION :
-                     busy_i                ? `MB_EX_DEVICE_BUSY : failure_i;
+                     unready_q;
 
   // ------------------------------------------------------------------ the step and the next
 
@@ -256,7 +256,7 @@ module modbus_dispatch #(
     restart_q    <= is_mode & over & argument[7];
     left_q       <= (count_i != 9'd0);
     no_words_q   <= (count_i == 9'd0) | count_i[0] | count_i[8];
-    unready_q    <= busy_i | (failure_i != 4'd0);
+    unready_q    <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;
     same_q       <= is_offer ? user_pass_i : (byte_i == argument[7:0]);
     zero_q       <= (byte_i == 8'h00);
 

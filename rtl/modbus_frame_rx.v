@@ -7,7 +7,7 @@
 // when every character was, no gap inside passed t1.5, it has 4..256 bytes and the CRC remainder is zero.
 // Bad frames are dropped whole; nothing in them is looked at.  With gap_count_only_i a gap above t1.5 is reported
 // and the frame goes on.  A good frame is for us if its address byte is ours (1..247) or, with broadcast_en_i, 0; a
-// foreign one is only told of.
+// foreign one is only told of, a clock after t3.5.
 //
 // good_stb_o starts the work on a frame for us; until done_stb_i characters on the line are ignored (err_overrun_o: a
 // master did not wait).  Behind an answer the next request may follow at once, or with strict_i only after t3.5; behind
@@ -27,7 +27,6 @@ module modbus_frame_rx (
   // Characters
   input  wire       start_stb_i,
   input  wire       char_stb_i,
-  input  wire [7:0] data_i,
   input  wire       parity_error_i,
   input  wire       framing_error_i,
   input  wire       crc_zero_i,
@@ -36,7 +35,9 @@ module modbus_frame_rx (
 
   // Frame RAM
   input  wire [8:0] count_i,
+  input  wire [7:0] byte_i,          // level : the byte under the cursor
   output wire       open_stb_o,      // strobe: a frame begins; cursor, count and CRC to start
+  output wire       look_stb_o,      // strobe: cursor to the first byte
   output wire       store_stb_o,     // strobe: the character belongs under the cursor, a clock after char_stb_i
 
   // Verdict
@@ -64,7 +65,7 @@ module modbus_frame_rx (
   reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
   reg       heard_q = 1'b0;          // a character came while we worked
   reg       store_q = 1'b0;
-  reg       ours_q = 1'b0, all_q = 1'b0;     // whom the first byte names
+  reg       check_q = 1'b0;          // the frame is good, its first byte is looked at
 
   wire reception = (state_q == ST_RECEPTION);
   wire full      = count_i[8];
@@ -75,9 +76,9 @@ module modbus_frame_rx (
   wire verdict   = reception & t35_i;
   wire good      = verdict & ~broken & crc_zero_i;
   // 1..247 can be ours, 0 is for all, 248..255 is reserved (V1.02, clause 2.2).
-  wire none      = (data_i == 8'h00);
-  wire ours      = (data_i == address_i) & ~none & (address_i[7:3] != 5'h1F);
-  wire for_us    = ours_q | all_q;
+  wire none      = (byte_i == 8'h00);
+  wire for_all   = none & broadcast_en_i;
+  wire for_us    = for_all | ((byte_i == address_i) & ~none & (address_i[7:3] != 5'h1F));
 
   assign open_stb_o  = (state_q == ST_IDLE) & start_stb_i;
   assign store_stb_o = store_q;
@@ -90,9 +91,12 @@ module modbus_frame_rx (
       // Silent: the next character is the first of a frame.
       ST_IDLE: if (start_stb_i) state_d = ST_RECEPTION;
       // Characters of one frame, until t3.5 of silence.
-      ST_RECEPTION: if (verdict) state_d = (good & for_us) ? ST_WORK : ST_IDLE;
-      // The frame is worked on and answered.
-      ST_WORK: if (done_stb_i) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+      ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
+      // The frame is worked on and answered; first of all, whose is it?
+      ST_WORK: begin
+        if (check_q ? ~for_us : done_stb_i)
+          state_d = (~check_q & answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+      end
     endcase
   end
 
@@ -100,6 +104,7 @@ module modbus_frame_rx (
     state_q <= state_d;
     store_q <= reception & char_stb_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
+    check_q <= good & ~rst_i;
     if (open_stb_o) begin
       parity_q  <= 1'b0;
       framing_q <= 1'b0;
@@ -110,19 +115,16 @@ module modbus_frame_rx (
       if (char_stb_i) begin
         parity_q  <= parity_q  | parity_error_i;
         framing_q <= framing_q | framing_error_i;
-        long_q    <= long_q    | full;
-        if (count_i == 9'd0) begin
-          ours_q <= ours;
-          all_q  <= none & broadcast_en_i;
-        end
+        long_q    <= long_q    | (full & ~spoiled);     // what follows a gap is not looked at
       end
     end
     if (rst_i || restart_i) state_q <= ST_INITIAL;
   end
 
-  assign good_stb_o    = good & for_us;
-  assign broadcast_o   = all_q;
-  assign foreign_stb_o = good & ~for_us;
+  assign look_stb_o    = good;
+  assign good_stb_o    = check_q & for_us;
+  assign broadcast_o   = for_all;
+  assign foreign_stb_o = check_q & ~for_us;
   assign bad_stb_o     = verdict & ~good;
   assign active_o      = reception;
   assign err_parity_o  = verdict & parity_q;
@@ -137,7 +139,6 @@ module modbus_frame_rx (
   reg       f_past = 1'b0;
   reg       f_clean = 1'b0;          // no character of this frame was faulty
   reg [8:0] f_stored = 9'd0;         // characters stored
-  reg       f_for_us = 1'b0;         // the first of them is our address or the broadcast's
   wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
 
   always @(posedge clk_i) begin
@@ -148,8 +149,6 @@ module modbus_frame_rx (
     end else begin
       if (char_stb_i && (parity_error_i || framing_error_i)) f_clean <= 1'b0;
       if (store_stb_o) f_stored <= f_stored + 9'd1;
-      if (reception && char_stb_i && f_stored == 9'd0)
-        f_for_us <= (data_i == 8'd0) ? broadcast_en_i : data_i == address_i && data_i <= 8'd247;
     end
   end
 
@@ -159,6 +158,7 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
+    if ($past(check_q) || check_q) assume (!restart_i);         // nothing is under way then
   end
 
   always @(posedge clk_i) if (f_past) begin
@@ -166,20 +166,19 @@ module modbus_frame_rx (
       assert (f_stored <= 9'd256);
       assert (f_clean || parity_q || framing_q);
     end
-    if (good_stb_o) begin
+    if (look_stb_o) begin
       assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 && f_stored <= 9'd256);
       assert (gap_count_only_i || !gap_q);
       assert (!long_q);
       assert (!(f_error && !err_gap_o));
     end
-    if (verdict) assert (good_stb_o || foreign_stb_o || f_error);   // every frame is accounted for
-    assert (!(good_stb_o && foreign_stb_o));
-    if (foreign_stb_o) assert (f_clean && crc_zero_i && !f_for_us);
-    if (good_stb_o) assert (f_for_us);
+    if (verdict) assert (look_stb_o || f_error);             // every frame is accounted for
+    if (good_stb_o || foreign_stb_o) assert ($past(look_stb_o));
+    if (check_q) assert (good_stb_o != foreign_stb_o);
+    if (good_stb_o) assert ((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247);
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
-    assert (!(good_stb_o && done_stb_i && state_q == ST_WORK));
     if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
-    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good_stb_o);
+    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !look_stb_o);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
     cover (err_overrun_o);

@@ -42,7 +42,7 @@ module modbus_identity #(
   output wire [7:0]  data_o
 );
 
-  localparam integer PRIVATE_BYTES = 512, RECORD = 9, HEAD = 7;
+  localparam integer TEXT_BYTES = 244, PRIVATE_BYTES = 512, RECORD = 9, HEAD = 7;
   localparam integer FIRST_PRIVATE = 128;
 
   // Bytes of a right-justified text, leading zeros left out
@@ -110,7 +110,7 @@ module modbus_identity #(
       k = PRIVATES_GIVEN - 1;
       while (k >= 0) begin
         size = (k >= 1) ? {24'd0, PRIVATE_OBJECTS[8*(k-1) +: 8]} : 0;
-        if (k < 1 || {24'd0, PRIVATE_OBJECTS[8*k +: 8]} <= last || size > DEVICE_ID_LIMIT - HEAD - 2 || k - 1 - size < 0)
+        if (k < 1 || {24'd0, PRIVATE_OBJECTS[8*k +: 8]} <= last || size > TEXT_BYTES || k - 1 - size < 0)
           private_count = -1000;
         last = {24'd0, PRIVATE_OBJECTS[8*k +: 8]};
         private_count = private_count + 1;
@@ -119,7 +119,21 @@ module modbus_identity #(
     end
   endfunction
 
+  function integer private_longest(input integer unused);
+    integer k, size;
+    begin
+      private_longest = unused;
+      k = PRIVATES_GIVEN - 1;
+      while (k >= 1) begin
+        size = {24'd0, PRIVATE_OBJECTS[8*(k-1) +: 8]};
+        if (size > private_longest) private_longest = size;
+        k = k - 2 - size;
+      end
+    end
+  endfunction
+
   localparam integer PRIVATES_FOUND = private_count(0);
+  localparam integer PRIVATE_MOST   = private_longest(0);
 
   // Illegal parameters are told of below; here they must not lead outside the memory.
   localparam integer PRIVATES       = (PRIVATES_FOUND > 0) ? PRIVATES_FOUND : 0;
@@ -159,7 +173,8 @@ module modbus_identity #(
       end
       if (DEVICE_ID_LIMIT > 253 || DEVICE_ID_LIMIT < HEAD + 2 + L0 || DEVICE_ID_LIMIT < HEAD + 2 + L1 ||
           DEVICE_ID_LIMIT < HEAD + 2 + L2 || DEVICE_ID_LIMIT < HEAD + 2 + L3 || DEVICE_ID_LIMIT < HEAD + 2 + L4 ||
-          DEVICE_ID_LIMIT < HEAD + 2 + L5 || DEVICE_ID_LIMIT < HEAD + 2 + L6) begin : gen_limit
+          DEVICE_ID_LIMIT < HEAD + 2 + L5 || DEVICE_ID_LIMIT < HEAD + 2 + L6 ||
+          DEVICE_ID_LIMIT < HEAD + 2 + PRIVATE_MOST) begin : gen_limit
         ERROR_modbus_DEVICE_ID_LIMIT_holds_the_longest_object_and_is_at_most_253 illegal_parameter ();
       end
       if (SIZE > 2048) begin : gen_size

@@ -94,7 +94,7 @@ module modbus_program #(
     TABLE           = 0,
     SUB_TABLE       = 32,
     START           = SUB_TABLE       + 32 * FUNCTION_CODES[8],
-    EXCEPTION       = START           + 4 + 2 * C + 4 * D + 9 * U,
+    EXCEPTION       = START           + 3 + 2 * C + 4 * D + 9 * U,
     SENDING         = EXCEPTION       + 6 + D,
     TAIL            = SENDING         + 1,
     DONE            = TAIL            + 6 * D,
@@ -144,6 +144,9 @@ module modbus_program #(
     DEPTH           = (PROGRAM_END <= 256) ? 256 : 512;
 
   generate
+    if (USER_CODES[0]) begin : gen_user_code
+      ERROR_modbus_USER_CODES_are_function_codes_1_to_127 illegal_parameter ();
+    end
     if (PROGRAM_END > 512) begin : gen_too_long
       ERROR_modbus_program_exceeds_512_steps illegal_parameter ();
     end

@@ -3,37 +3,37 @@
 //
 // modbus_routines_frame - what is done with every frame; part of modbus_program.
 
-// A good frame for us.  The two check bytes leave the count, then the address; k skips what is left out.
+// A good frame for us, the cursor at its first byte.  The two check bytes leave the count, then the address; k skips
+// what is left out.
 function [15:0] start(input integer n);
   integer k;
   begin
     k = n;
     if (D == 0) k = k + 1;
-    if (C == 0 && k >= 2) k = k + 1;
-    if (C == 0 && k >= 4) k = k + 1;
-    if (D == 0 && k >= 6) k = k + 3;
-    if (U == 0 && k >= 9) k = k + 9;
+    if (C == 0 && k >= 1) k = k + 1;
+    if (C == 0 && k >= 3) k = k + 1;
+    if (D == 0 && k >= 5) k = k + 3;
+    if (U == 0 && k >= 8) k = k + 9;
     case (k)
       0: start = count(`MB_CPT_BUS_MESSAGE, `MB_WHEN_ALWAYS);
-      1: start = at(`MB_STEP_POINT, AT_FRAME, NO_FLAG);
       // with a context: the whole request is kept
-      2: start = at(`MB_STEP_WALK, AT_CHECKED, NO_FLAG);
-      3: start = (C == 0) ? at(`MB_STEP_WALK, AT_CHECKED + AT_FUNCTION, NO_FLAG) : at(`MB_STEP_POINT, AT_FRAME, NO_FLAG);
-      4: start = SAVE;
-      5: start = (C == 0) ? at(`MB_STEP_POINT, AT_FUNCTION, NO_FLAG) : at(`MB_STEP_WALK, AT_FUNCTION, NO_FLAG);
-      6: start = count(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS);
-      7: start = plain(`MB_STEP_LOG, `MB_FLAG_BROADCAST | 11'h080);
-      8: start = when(`MB_IF_LISTENING, LISTENING[8:0]);
+      1: start = at(`MB_STEP_WALK, AT_CHECKED, NO_FLAG);
+      2: start = (C == 0) ? at(`MB_STEP_WALK, AT_CHECKED + AT_FUNCTION, NO_FLAG) : at(`MB_STEP_POINT, AT_FRAME, NO_FLAG);
+      3: start = SAVE;
+      4: start = (C == 0) ? at(`MB_STEP_POINT, AT_FUNCTION, NO_FLAG) : at(`MB_STEP_WALK, AT_FUNCTION, NO_FLAG);
+      5: start = count(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS);
+      6: start = plain(`MB_STEP_LOG, `MB_FLAG_BROADCAST | 11'h080);
+      7: start = when(`MB_IF_LISTENING, LISTENING[8:0]);
       // The user's answer begins like the request; if he passes, all is as before.
-      9:  start = when(`MB_IF_NOT_USER, START[8:0] + n[8:0] + 9'd9);
-      10: start = at(`MB_STEP_POINT, UPPER, CLEAR);
-      11: start = load(`MB_LOAD_BYTE, AT_FRAME, NO_FLAG);
-      12: start = at(`MB_STEP_PUT, UPPER, NO_FLAG);
-      13: start = load(`MB_LOAD_BYTE, AT_FUNCTION, NO_FLAG);
-      14: start = at(`MB_STEP_PUT, UPPER + AT_FUNCTION, NO_FLAG);
-      15: start = {`MB_STEP_OFFER, 2'd0, USER_SEND[8:0]};
-      16: start = RECALL;
-      17: start = at(`MB_STEP_WALK, AT_FUNCTION, NO_FLAG);
+      8:  start = when(`MB_IF_NOT_USER, START[8:0] + n[8:0] + 9'd9);
+      9: start = at(`MB_STEP_POINT, UPPER, CLEAR);
+      10: start = load(`MB_LOAD_BYTE, AT_FRAME, NO_FLAG);
+      11: start = at(`MB_STEP_PUT, UPPER, NO_FLAG);
+      12: start = load(`MB_LOAD_BYTE, AT_FUNCTION, NO_FLAG);
+      13: start = at(`MB_STEP_PUT, UPPER + AT_FUNCTION, NO_FLAG);
+      14: start = {`MB_STEP_OFFER, 2'd0, USER_SEND[8:0]};
+      15: start = RECALL;
+      16: start = at(`MB_STEP_WALK, AT_FUNCTION, NO_FLAG);
       default: start = plain(`MB_STEP_FUNCTION, `MB_FLAG_WIDE | TABLE[10:0]);
     endcase
   end

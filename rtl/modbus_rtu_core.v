@@ -172,14 +172,14 @@ module modbus_rtu_core #(
   );
 
   // Frames
-  wire       open_stb, store_stb, good_stb, broadcast, foreign_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
+  wire       open_stb, store_stb, look_stb, good_stb, broadcast, foreign_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
   wire [8:0] count;
   wire [3:0] cursor;
   wire [7:0] frame_byte, held;
 
   modbus_frame_rx u_frame_rx (
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(gap_count_only_i), .strict_i(strict_turnaround_i),
-    .address_i(address_i), .broadcast_en_i(broadcast_en_i), .data_i(rx_data),
+    .address_i(address_i), .broadcast_en_i(broadcast_en_i), .byte_i(frame_byte), .look_stb_o(look_stb),
     .start_stb_i(start_stb), .char_stb_i(char_stb), .parity_error_i(parity_error), .framing_error_i(framing_error),
     .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .count_i(count), .open_stb_o(open_stb), .store_stb_o(store_stb),
     .good_stb_o(good_stb), .broadcast_o(broadcast), .foreign_stb_o(foreign_stb), .bad_stb_o(bad_stb), .restart_i(restart), .done_stb_i(quiet_stb | sent_stb), .answered_i(sent_stb),
@@ -196,7 +196,7 @@ module modbus_rtu_core #(
 
   modbus_frame_ram #(.HAS_UPPER(HAS_UPPER), .HAS_CONTEXT(HAS_CONTEXT)) u_frame_ram (
     .clk_i(clk_i),
-    .point_i(open_stb | do_point), .point_at_i(open_stb ? 5'd0 : do_point_at),
+    .point_i(open_stb | look_stb | do_point), .point_at_i((open_stb | look_stb) ? 5'd0 : do_point_at),
     .step_i(store_stb | do_step | move_put | move_step | user_put | tx_step),
     .clear_i(open_stb | do_clear), .up_i(store_stb | do_up | move_put | user_put), .down_i(do_down | move_step | tx_step),
     .keep_i(do_keep), .recall_i(do_recall), .look_i(user_req_o), .look_at_i(user_adr_i),
@@ -300,11 +300,12 @@ module modbus_rtu_core #(
     if (HAS_USER != 0) begin : gen_user
       localparam [8:0] FULL = 9'd254;             // address, function code, 252 bytes
       reg  excess_q;
-      wire full = (count == FULL);
-      always @(posedge clk_i) excess_q <= do_offer & (excess_q | (user_put_i & full));
+      wire full   = (count == FULL);
+      wire excess = excess_q | (user_put_i & full);
+      always @(posedge clk_i) excess_q <= do_offer & excess;
       assign user_put  = do_offer & user_put_i & ~full;
-      assign user_fail = do_offer & (user_done_i ? ~user_pass_i & (user_exception_i != 4'd0 || excess_q) : stall);
-      assign user_code = (user_done_i && !excess_q) ? user_exception_i : `MB_EX_DEVICE_FAILURE;
+      assign user_fail = do_offer & (user_done_i ? ~user_pass_i & (user_exception_i != 4'd0 || excess) : stall);
+      assign user_code = (user_done_i && !excess) ? user_exception_i : `MB_EX_DEVICE_FAILURE;
       assign user_done = user_done_i;
       assign user_req_o = do_offer;
       assign user_count_o = kept_count[7:0];
@@ -410,18 +411,13 @@ module modbus_rtu_core #(
   reg f_ours = 1'b0;                 // its address byte is ours or 0
   reg f_write_granted = 1'b0;        // the bank agreed to a write in it
   reg f_granted = 1'b0;              // the bank agreed to an access
-  reg f_first = 1'b0;                // the first byte received is ours or 0
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
-    if (rx_active_o && char_stb && count == 9'd0)
-      f_first <= (rx_data == 8'd0) ? broadcast_en_i : rx_data == address_i && rx_data <= 8'd247;
+    if (look_stb) f_good <= crc_zero & (count >= 9'd4) & t35;
     if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
     else begin
-      if (good_stb) begin
-        f_good <= crc_zero & (count >= 9'd4) & t35;
-        f_ours <= f_first;
-      end
+      if (good_stb) f_ours <= (frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247;
       if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
         f_granted <= 1'b1;
         if (grant_write_o) f_write_granted <= 1'b1;

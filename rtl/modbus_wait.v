@@ -10,7 +10,7 @@ module modbus_wait (
   input  wire        bit_stb_i,
   input  wire        clear_i,        // level : begin again at 0
   input  wire [15:0] limit_i,        // bit times
-  output wire        over_o          // level : the limit is reached, a clock later; with limit 0 at once
+  output wire        over_o          // level : the limit is reached, a clock later; with limit 0 a clock behind clear_i
 );
 
   reg [15:0] bits_q = 16'd0;

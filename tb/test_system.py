@@ -124,6 +124,9 @@ USER_CODES = (1, *range(65, 73), *range(100, 111), 0x09, 127, *(FC.READ_HOLDINGS
 USED = {**FAST, "USER_CODES": function_mask((*USER_CODES, FC.DIAGNOSTICS, FC.READ_DEVICE_ID))}
 
 
+EVERYTHING = {**MAPPED, "FILE_COUNT": 3, "FILE_RECORDS": 140, "USER_CODES": function_mask((3, 65, 66, 110))}
+
+
 def only(*codes, **parameters):
     """A build with these functions."""
     return {**FAST, "FUNCTION_CODES": function_mask(codes), **parameters}
@@ -191,7 +194,7 @@ SUITES = {
     "left_out_no_files": (SLAVE, NO_FLOORS, "left_out", "each"),
     "left_out_io": (IO, IO_MAPPED, "left_out", "each|counted"),
     "core_bus": (CORE, NO_FLOORS, "core_bus", None),
-    "random": (SLAVE, MAPPED, "random_requests", None),
+    "random": (SLAVE, EVERYTHING, "random_requests", None),
     "example_user": ("example_bench", EXAMPLE_USER, "example_user", None),
     "pdm_meter": (PDM, NO_FLOORS, "pdm_meter", None),
     "pdm_meter_standard": (PDM, {**NO_FLOORS, "EVENT_RECORD": 0}, "pdm_meter", "printed|random|host"),

@@ -21,6 +21,7 @@ async def over_after_exactly_so_many_bits(dut, limit):
     await start(dut, limit=limit, clear=1)
     await clocks(dut, 2)
     dut.clear_i.value = 0
+    await clocks(dut, 1)
     await bits(dut, max(0, limit - 1))
     assert int(dut.over_o.value) == int(limit == 0), f"over after {limit - 1} of {limit}"
     await bits(dut, 1)
@@ -28,6 +29,9 @@ async def over_after_exactly_so_many_bits(dut, limit):
     await bits(dut, 5)
     assert int(dut.over_o.value) == 1, "over does not last"
     await strobe(dut, clear=1)
+    await settle()
+    assert int(dut.over_o.value) == 0
+    await clocks(dut, 1)
     await settle()
     assert int(dut.over_o.value) == int(limit == 0)
 

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Model against device over random traffic, through cocotb. SEED and COUNT come from outside."""
+"""Model against device over random traffic of every function, through cocotb. SEED and COUNT come from outside.
+
+The user's functions answer with what they are asked, refuse or pass, by a byte of the request.
+"""
 
 import os
 from collections import Counter
@@ -9,17 +12,27 @@ import cocotb
 from mbrtu.bench import Bench
 from mbrtu.defs import F8E1, F8N1, F8N2, F8O1
 from mbrtu.traffic import Traffic
+from mbrtu.user import User
 
 SEED = int(os.environ.get("BENCH_SEED", "1"))
 COUNT = int(os.environ.get("BENCH_COUNT", "300"))
 COMPARE_EVERY = 50
+FAILURES = (4, 5, 6, 7, 8, 10, 11)
+
+
+def respond(pdu):
+    """What the user makes of a request."""
+    kind = pdu[-1] % 4
+    return None if kind == 1 else 1 + pdu[-1] % 15 if kind == 2 else pdu
 
 
 @cocotb.test()
 async def random_requests_agree_with_the_model(dut):
     tb = await Bench.start(dut, seed=SEED)
     print(f"seed {SEED}, {COUNT} requests")
-    traffic, kinds = Traffic(tb.rng, tb.slave.config), Counter()
+    traffic, kinds = Traffic(tb.rng, tb.slave.config, tb.slave), Counter()
+    user = User(tb, respond)
+    user.behave(wait=lambda: tb.rng.choice((0, 1, 50)), gap=lambda: tb.rng.choice((0, 0, 3)))
     for number in range(COUNT):
         if number % COMPARE_EVERY == 0:
             # only formats with parity: the traffic has parity errors
@@ -30,20 +43,32 @@ async def random_requests_agree_with_the_model(dut):
             }
             tb.apply(**setup)
             await tb.silence()
-        tb.apply(busy=tb.rng.random() < 0.03, write_lock=tb.rng.random() < 0.05)
+            await tb.compare_counters(f"seed {SEED}, before request {number}", line=True)
+        tb.apply(
+            busy=tb.rng.random() < 0.03,
+            write_lock=tb.rng.random() < 0.05,
+            failure=tb.rng.choice(FAILURES) if tb.rng.random() < 0.05 else 0,
+            exception_status=tb.rng.getrandbits(8),
+            run_indicator=tb.rng.getrandbits(1),
+            diagnostic=1 << tb.rng.randrange(16) if tb.rng.random() < 0.02 else 0,
+        )
         line, kind = traffic.line()
         note = f"seed {SEED}, request {number} ({kind})"
         await tb.both(line, note=note, patience=None if kind != "broadcast" else 200 * tb.bit)
         kinds[kind] += 1
+        await tb.compare_counters(note)
     print(dict(kinds), dict(tb.slave.counts))
     assert tb.slave.counts["good"] > COUNT / 2
+    user.check()
+    tb.apply(busy=0, failure=0, diagnostic=0)
     await tb.finish()
 
 
 @cocotb.test()
 async def random_requests_without_parity(dut):
     tb = await Bench.start(dut, seed=SEED + 1)
-    traffic = Traffic(tb.rng, tb.slave.config)
+    traffic = Traffic(tb.rng, tb.slave.config, tb.slave)
+    User(tb, respond)
     for number in range(COUNT // 10):
         tb.apply(fmt=tb.rng.choice((F8N1, F8N2)))
         await tb.silence()
