@@ -158,7 +158,7 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
-    if ($past(check_q) || check_q) assume (!restart_i);         // nothing is under way then
+    if (look_stb_o || check_q || $past(check_q)) assume (!restart_i);   // nothing is under way then
   end
 
   always @(posedge clk_i) if (f_past) begin
