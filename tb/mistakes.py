@@ -576,17 +576,21 @@ MISTAKES = [
     ),
 ]
 
-# (suite of test_modules.py or test_system.py, regular expression of its cocotb tests); the quickest first.
+# What is tried, in this order; the quickest that notices most comes first:
+# (suite of test_modules.py or test_system.py, regular expression of its cocotb tests), or the compiled slave and how many
+# requests of random traffic it gets. A module alone is left out when the mistake is in none of its files.
+COMPILED = "random traffic"
+MODULES_ALONE = {
+    "crc16": ("modbus_crc16.v",),
+    "uart_tx": ("modbus_uart_tx.v", "modbus_crc16.v"),
+    "line_timer_characters": ("modbus_line_timer.v",),
+    "frame_rx": ("modbus_frame_rx.v",),
+    "bank_guard": ("modbus_bank_guard.v",),
+}
 SELECTION = [
-    ("crc16", None),
-    ("uart_tx", None),
-    ("line_timer_characters", None),
-    ("frame_rx", None),
-    ("bank_guard", None),
-    (
-        "functions_mapped",
-        "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share",
-    ),
+    *((suite, None) for suite in MODULES_ALONE),
+    (COMPILED, 2000),
+    ("functions_mapped", "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share"),
     ("functions_mapped", "address_limits|align|read_write|limits.*code=(3|15|16)"),
     (
         "line_faults",
@@ -596,6 +600,15 @@ SELECTION = [
     ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
+    ("identity_01", None),
+    ("identity_82", None),
+    ("identity_small", None),
+    ("fifo", None),
+    ("user_port", None),
+    ("core_files", "waits$|wait=0|refused|error|stall|longest|busy"),
+    ("diagnostics_counters", None),
+    ("diagnostics_modes", None),
+    ("files", None),
 ]
 
 
@@ -613,39 +626,64 @@ def planted(mistake, folder):
     path.write_text(text.replace(mistake.old, mistake.new), encoding="utf-8")
 
 
-def judge():
-    """In a process whose RTL= names the copy: run the selection until a test fails; print what failed."""
+def judge(touched):
+    """In a process whose RTL= names the copy: run the selection until a test fails; print what failed.
+
+    `touched`: the file that the mistake is in, or "".
+    """
     sys.path.insert(0, str(TB))
     os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
+    failed = []
+    for number, (suite, part) in enumerate(SELECTION):
+        if touched and touched not in MODULES_ALONE.get(suite, (touched,)):
+            continue
+        failed = compiled(part) if suite == COMPILED else simulated(suite, part, number)
+        if failed:
+            break
+    print(json.dumps(failed))
+
+
+def simulated(suite, only, number):
+    """Failed tests of a suite."""
     import test_modules
     import test_system
     from mbrtu.runner import run
 
-    failed = []
-    for number, (suite, only) in enumerate(SELECTION):
-        if suite in test_modules.MODULES:
-            top, parameters, module = test_modules.MODULES[suite]
-            module = f"modules.{module}"
-        else:
-            top, parameters, module, _ = test_system.SUITES[suite]
-            module = f"system.{module}"
-        recorded = {}
+    if suite in test_modules.MODULES:
+        top, parameters, module = test_modules.MODULES[suite]
+        module = f"modules.{module}"
+    else:
+        top, parameters, module, whole = test_system.SUITES[suite]
+        module, only = f"system.{module}", only or whole
+    recorded = {}
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            run(recorded.__setitem__, "icarus", top, module, parameters, only=only, own=f"{number}_{suite}")
+    except BaseException as problem:  # pytest's outcomes are no Exceptions
+        tests = [t.split(".", 2)[-1] for t, ok in recorded.get("cocotb", []) if not ok]
+        return [f"{suite}: {t}" for t in tests] or [f"{suite}: {str(problem).splitlines()[0]}"]
+    return []
+
+
+def compiled(count):
+    """What random traffic on the compiled slave shows, as a list of none or one."""
+    from differential.test_differential import MAPS, SETTINGS_EVERY, Match
+
+    match = Match(MAPS["mapped"], "mistakes")
+    for number in range(count):
         try:
-            with contextlib.redirect_stdout(io.StringIO()):
-                run(
-                    recorded.__setitem__,
-                    "icarus",
-                    top,
-                    module,
-                    parameters,
-                    only=only,
-                    own=f"{number}_{suite}",
-                )
-        except BaseException as problem:  # pytest's outcomes are no Exceptions
-            tests = [t.split(".", 2)[-1] for t, ok in recorded.get("cocotb", []) if not ok]
-            failed = [f"{suite}: {t}" for t in tests] or [f"{suite}: {str(problem).splitlines()[0]}"]
-            break
-    print(json.dumps(failed))
+            if number % SETTINGS_EVERY == 0:
+                match.settings()
+            match.step()
+        except AssertionError as problem:
+            print(f"request {number}: {problem}", file=sys.stderr)
+            return [f"{COMPILED}, compiled"]
+    try:
+        match.compare(whole=True)
+    except AssertionError as problem:
+        print(problem, file=sys.stderr)
+        return [f"{COMPILED}, compiled: memory at the end"]
+    return []
 
 
 def run_one(mistake):
@@ -661,7 +699,7 @@ def run_one(mistake):
     with log.open("w", encoding="utf-8") as messages:
         try:
             done = subprocess.run(
-                [sys.executable, __file__, "--judge"],
+                [sys.executable, __file__, "--judge", mistake.file if mistake else ""],
                 env=env,
                 stdout=subprocess.PIPE,
                 stderr=messages,
@@ -708,7 +746,7 @@ def main(part):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--judge"]:
-        judge()
+    if sys.argv[1:2] == ["--judge"]:
+        judge(sys.argv[2])
     else:
         sys.exit(main(sys.argv[1] if len(sys.argv) > 1 else ""))

@@ -115,8 +115,7 @@ PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
 PROFILE_NOTES = {
     "minimal": "03 06 10, 8 holding + 8 input registers, address, rate and format tied",
     "basic": "01-06 0F 10; address, rate and format set at run time",
-    "full": "every function code, counters, event log, identity, options at run time; "
-    "`ram`: the tables of the live device, 4 files of 256 records",
+    "full": "every function code, counters, event log, identity, options set at run time",
 }
 MARK_BEGIN, MARK_END = "<!-- synth table begin -->", "<!-- synth table end -->"
 
