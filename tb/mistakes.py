@@ -577,8 +577,8 @@ MISTAKES = [
 ]
 
 # What is tried, in this order; the quickest that notices most comes first:
-# (suite of test_modules.py or test_system.py, regular expression of its cocotb tests), or the compiled slave and how many
-# requests of random traffic it gets. A module alone is left out when the mistake is in none of its files.
+# (suite of test_modules.py or test_system.py, regular expression of its cocotb tests), or the compiled slave and how
+# many requests of random traffic it gets. A module alone is left out when the mistake is in none of its files.
 COMPILED = "random traffic"
 MODULES_ALONE = {
     "crc16": ("modbus_crc16.v",),
@@ -669,6 +669,9 @@ def compiled(count):
     """What random traffic on the compiled slave shows, as a list of none or one."""
     from differential.test_differential import MAPS, SETTINGS_EVERY, Match
 
+    if not shutil.which("verilator"):
+        print("verilator is not installed: no compiled slave", file=sys.stderr)
+        return []
     match = Match(MAPS["mapped"], "mistakes")
     for number in range(count):
         try:

@@ -168,6 +168,7 @@ SUITES = {
     "options": (SLAVE, FAST, "options", None),
     "options_timeout": (SLAVE, SLOW_CLOCK, "options", "alive|delay"),
     "options_mapped": (SLAVE, MAPPED, "options", "host"),
+    "host_inputs": (SLAVE, FAST, "host_inputs", None),
     "overlay": (SLAVE, OVERLAID, "overlay", None),
     "speed": (SLAVE, FAST, "speed", "^(?!.*19200)"),
     "speed_floors": (SLAVE, SLOW_CLOCK, "speed", "silences"),
