@@ -93,10 +93,7 @@ module modbus_frame_rx (
       // Characters of one frame, until t3.5 of silence.
       ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
       // The frame is worked on and answered; first of all, whose is it?
-      ST_WORK: begin
-        if (check_q ? ~for_us : done_stb_i)
-          state_d = (~check_q & answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
-      end
+      ST_WORK: if (done_stb_i || (check_q && !for_us)) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
     endcase
   end
 

@@ -414,15 +414,13 @@ module modbus_rtu_core #(
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
-    if (look_stb) f_good <= crc_zero & (count >= 9'd4) & t35;
-    if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
-    else begin
-      if (good_stb) f_ours <= (frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247;
-      if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
-        f_granted <= 1'b1;
-        if (grant_write_o) f_write_granted <= 1'b1;
-      end
+    if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
+      f_granted <= 1'b1;
+      if (grant_write_o) f_write_granted <= 1'b1;
     end
+    if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
+    if (look_stb) f_good <= crc_zero & (count >= 9'd4) & t35;
+    if (good_stb) f_ours <= (frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247;
   end
 
   always @* if (!f_past) assume (rst_i);

@@ -86,7 +86,7 @@ MISTAKES = [
         "gap_q <= start_stb_i & t15_i;",
     ),
     Mistake("three_bytes_are_a_frame", "modbus_frame_rx.v", "(count_i < 9'd4)", "(count_i < 9'd3)"),
-    Mistake("frame_of_257_bytes_taken", "modbus_frame_rx.v", "long_q    <= long_q    | full;", "long_q    <= 1'b0;"),
+    Mistake("frame_of_257_bytes_taken", "modbus_frame_rx.v", "long_q    <= long_q    | (full & ~spoiled);", "long_q    <= 1'b0;"),
     Mistake(
         "idle_at_once_after_reset",
         "modbus_frame_rx.v",
@@ -96,15 +96,15 @@ MISTAKES = [
     Mistake(
         "strict_turnaround_ignored",
         "modbus_frame_rx.v",
-        "(answered_i ? strict_i : heard)",
-        "(answered_i ? 1'b0 : heard)",
+        "(~check_q & answered_i ? strict_i : heard)",
+        "(~check_q & answered_i ? 1'b0 : heard)",
     ),
     Mistake("address_248_answers", "modbus_frame_rx.v", " & (address_i[7:3] != 5'h1F)", ""),
     Mistake(
         "broadcast_always_obeyed",
         "modbus_frame_rx.v",
-        "all_q  <= none & broadcast_en_i;",
-        "all_q  <= none;",
+        "wire for_all   = none & broadcast_en_i;",
+        "wire for_all   = none;",
     ),
     Mistake(
         "broadcast_read_goes_on",
@@ -179,8 +179,8 @@ MISTAKES = [
     Mistake(
         "busy_ignored",
         "modbus_dispatch.v",
-        "unready_q    <= busy_i | (failure_i != 4'd0);",
-        "unready_q    <= (failure_i != 4'd0);",
+        "unready_q    <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;",
+        "unready_q    <= failure_i;",
     ),
     Mistake(
         "unused_bits_not_zero",
@@ -214,8 +214,8 @@ MISTAKES = [
     Mistake(
         "broadcast_taken_for_a_foreign_frame",
         "modbus_frame_rx.v",
-        "wire for_us    = ours_q | all_q;",
-        "wire for_us    = ours_q;",
+        "wire for_us    = for_all | ",
+        "wire for_us    = ",
     ),
     Mistake(
         "after_a_restart_the_line_is_heard_at_once",
@@ -259,8 +259,8 @@ MISTAKES = [
     Mistake(
         "wrong_counter",
         "modbus_routines_frame.vh",
-        "6: start = count(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS);",
-        "6: start = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_ALWAYS);",
+        "5: start = count(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS);",
+        "5: start = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_ALWAYS);",
     ),
     Mistake("last_counter_not_cleared", "modbus_routines_frame.vh", "clearing = (n < 9)", "clearing = (n < 8)"),
     Mistake(
@@ -547,7 +547,7 @@ MISTAKES = [
         "4: device_id = match(8'h0E, ANY);",
     ),
     # the host's say
-    Mistake("failure_ignored", "modbus_dispatch.v", "busy_i | (failure_i != 4'd0);", "busy_i;"),
+    Mistake("failure_ignored", "modbus_dispatch.v", "`MB_EX_DEVICE_BUSY : failure_i;", "`MB_EX_DEVICE_BUSY : 4'd0;"),
     Mistake(
         "failure_goes_before_busy",
         "modbus_dispatch.v",
@@ -557,14 +557,14 @@ MISTAKES = [
     Mistake(
         "too_much_from_the_user_not_noticed",
         "modbus_rtu_core.v",
-        "(user_exception_i != 4'd0 || excess_q)",
+        "(user_exception_i != 4'd0 || excess)",
         "(user_exception_i != 4'd0)",
     ),
     Mistake(
         "silent_user_waited_for_for_ever",
         "modbus_rtu_core.v",
-        "(user_exception_i != 4'd0 || excess_q) : stall);",
-        "(user_exception_i != 4'd0 || excess_q) : 1'b0);",
+        "(user_exception_i != 4'd0 || excess) : stall);",
+        "(user_exception_i != 4'd0 || excess) : 1'b0);",
     ),
     Mistake("broadcasts_offered_to_the_user", "modbus_dispatch.v", "& ~byte_i[7] & ~broadcast_q;", "& ~byte_i[7];"),
     Mistake("user_may_not_pass", "modbus_dispatch.v", "(is_offer & finished_q & ~same_q)", "(is_offer & finished_q)"),
