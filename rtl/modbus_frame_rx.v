@@ -174,7 +174,7 @@ module modbus_frame_rx (
     if (check_q) assert (good_stb_o != foreign_stb_o);
     if (good_stb_o) assert ((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247);
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
-    if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
+    if ($past(good_stb_o) && !$past(rst_i | restart_i | done_stb_i)) assert (state_q == ST_WORK);
     if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !look_stb_o);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
