@@ -235,57 +235,82 @@ module modbus_program #(
     end
   endfunction
 
+  // Which routine a step is of
+  function [15:0] frame_step(input integer n);
+    begin
+      if (n < 32)              frame_step = entry(n);
+      else if (n < START)      frame_step = sub_entry(n - SUB_TABLE);
+      else if (n < EXCEPTION)  frame_step = start(n - START);
+      else if (n < SENDING)    frame_step = exception(n - EXCEPTION);
+      else if (n < TAIL)       frame_step = send(AT_FRAME);
+      else if (n < DONE)       frame_step = tail(n - TAIL);
+      else if (n < ECHO)       frame_step = REST;
+      else if (n < ANSWER)     frame_step = echo(n - ECHO, AT_VALUE_END);
+      else if (n < BAD)        frame_step = answer(n - ANSWER);
+      else if (n < FOREIGN)    frame_step = bad(n - BAD);
+      else if (n < CLEARING)   frame_step = foreign(n - FOREIGN);
+      else if (n < LISTENING)  frame_step = clearing(n - CLEARING);
+      else if (n < RESTART)    frame_step = listening(n - LISTENING);
+      else if (n < USER_SEND)  frame_step = restart(n - RESTART);
+      else                     frame_step = user_send(n - USER_SEND);
+    end
+  endfunction
+
+  function [15:0] data_step(input integer n);
+    begin
+      if (n < READ_DISCRETES)        data_step = in_space(n - READ_COILS, COILS, READ_BITS[8:0]);
+      else if (n < READ_HOLDINGS)    data_step = in_space(n - READ_DISCRETES, DISCRETES, READ_BITS[8:0]);
+      else if (n < READ_INPUTS)      data_step = in_space(n - READ_HOLDINGS, HOLDINGS, READ_WORDS[8:0]);
+      else if (n < READ_BITS)        data_step = in_space(n - READ_INPUTS, INPUTS, READ_WORDS[8:0]);
+      else if (n < READ_WORDS)       data_step = read_bits(n - READ_BITS);
+      else if (n < READ)             data_step = plain(`MB_STEP_QUANTITY, MAX_READ_REGISTERS[10:0]);
+      else if (n < WRITE_COIL)       data_step = read(n - READ);
+      else if (n < WRITE_REGISTER)   data_step = write_coil(n - WRITE_COIL);
+      else if (n < WRITE_SINGLE)     data_step = write_register(n - WRITE_REGISTER);
+      else if (n < WRITE_COILS)      data_step = write_single(n - WRITE_SINGLE);
+      else if (n < WRITE_REGISTERS)  data_step = write_coils(n - WRITE_COILS);
+      else if (n < WRITE_MULTIPLE)   data_step = write_registers(n - WRITE_REGISTERS);
+      else if (n < WRITTEN)          data_step = write_multiple(n - WRITE_MULTIPLE);
+      else                           data_step = written(n - WRITTEN);
+    end
+  endfunction
+
+  function [15:0] diagnostics_step(input integer n);
+    begin
+      if (n < DIAGNOSTICS)        diagnostics_step = exception_status(n - EXCEPTION_STATUS);
+      else if (n < SUB_ECHO)      diagnostics_step = diagnostics(n - DIAGNOSTICS);
+      else if (n < SUB_COUNTER)   diagnostics_step = sub_echo(n - SUB_ECHO);
+      else if (n < SUB_REGISTER)  diagnostics_step = sub_counter(n - SUB_COUNTER);
+      else if (n < SUB_DELIMITER) diagnostics_step = sub_register(n - SUB_REGISTER);
+      else if (n < SUB_LISTEN)    diagnostics_step = sub_delimiter(n - SUB_DELIMITER);
+      else if (n < SUB_CLEAR)     diagnostics_step = sub_listen(n - SUB_LISTEN);
+      else if (n < SUB_OVERRUN)   diagnostics_step = sub_clear(n - SUB_CLEAR);
+      else if (n < SUB_RESTART)   diagnostics_step = sub_overrun(n - SUB_OVERRUN);
+      else if (n < EVENT_COUNTER) diagnostics_step = sub_restart(n - SUB_RESTART);
+      else if (n < EVENT_LOG)     diagnostics_step = event_counter(n - EVENT_COUNTER);
+      else                        diagnostics_step = event_log(n - EVENT_LOG);
+    end
+  endfunction
+
+  function [15:0] other_step(input integer n);
+    begin
+      if (n < READ_FILES)       other_step = server_id(n - SERVER_ID);
+      else if (n < WRITE_FILES) other_step = read_files(n - READ_FILES);
+      else if (n < MASK_WRITE)  other_step = write_files(n - WRITE_FILES);
+      else if (n < READ_WRITE)  other_step = mask_write(n - MASK_WRITE);
+      else if (n < READ_FIFO)   other_step = read_write(n - READ_WRITE);
+      else if (n < DEVICE_ID)   other_step = read_fifo(n - READ_FIFO);
+      else                      other_step = device_id(n - DEVICE_ID);
+    end
+  endfunction
+
   function [15:0] content(input integer n);
     begin
-      content = ILLEGAL;
-      if (n < 32)                    content = entry(n);
-      else if (n < START)            content = sub_entry(n - SUB_TABLE);
-      else if (n < EXCEPTION)        content = start(n - START);
-      else if (n < SENDING)          content = exception(n - EXCEPTION);
-      else if (n < TAIL)             content = send(AT_FRAME);
-      else if (n < DONE)             content = tail(n - TAIL);
-      else if (n < ECHO)             content = REST;
-      else if (n < ANSWER)           content = echo(n - ECHO, AT_VALUE_END);
-      else if (n < BAD)              content = answer(n - ANSWER);
-      else if (n < FOREIGN)          content = bad(n - BAD);
-      else if (n < CLEARING)         content = foreign(n - FOREIGN);
-      else if (n < LISTENING)        content = clearing(n - CLEARING);
-      else if (n < RESTART)          content = listening(n - LISTENING);
-      else if (n < USER_SEND)        content = restart(n - RESTART);
-      else if (n < READ_COILS)       content = user_send(n - USER_SEND);
-      else if (n < READ_DISCRETES)   content = in_space(n - READ_COILS, COILS, READ_BITS[8:0]);
-      else if (n < READ_HOLDINGS)    content = in_space(n - READ_DISCRETES, DISCRETES, READ_BITS[8:0]);
-      else if (n < READ_INPUTS)      content = in_space(n - READ_HOLDINGS, HOLDINGS, READ_WORDS[8:0]);
-      else if (n < READ_BITS)        content = in_space(n - READ_INPUTS, INPUTS, READ_WORDS[8:0]);
-      else if (n < READ_WORDS)       content = read_bits(n - READ_BITS);
-      else if (n < READ)             content = plain(`MB_STEP_QUANTITY, MAX_READ_REGISTERS[10:0]);
-      else if (n < WRITE_COIL)       content = read(n - READ);
-      else if (n < WRITE_REGISTER)   content = write_coil(n - WRITE_COIL);
-      else if (n < WRITE_SINGLE)     content = write_register(n - WRITE_REGISTER);
-      else if (n < WRITE_COILS)      content = write_single(n - WRITE_SINGLE);
-      else if (n < WRITE_REGISTERS)  content = write_coils(n - WRITE_COILS);
-      else if (n < WRITE_MULTIPLE)   content = write_registers(n - WRITE_REGISTERS);
-      else if (n < WRITTEN)          content = write_multiple(n - WRITE_MULTIPLE);
-      else if (n < EXCEPTION_STATUS) content = written(n - WRITTEN);
-      else if (n < DIAGNOSTICS)      content = exception_status(n - EXCEPTION_STATUS);
-      else if (n < SUB_ECHO)         content = diagnostics(n - DIAGNOSTICS);
-      else if (n < SUB_COUNTER)      content = sub_echo(n - SUB_ECHO);
-      else if (n < SUB_REGISTER)     content = sub_counter(n - SUB_COUNTER);
-      else if (n < SUB_DELIMITER)    content = sub_register(n - SUB_REGISTER);
-      else if (n < SUB_LISTEN)       content = sub_delimiter(n - SUB_DELIMITER);
-      else if (n < SUB_CLEAR)        content = sub_listen(n - SUB_LISTEN);
-      else if (n < SUB_OVERRUN)      content = sub_clear(n - SUB_CLEAR);
-      else if (n < SUB_RESTART)      content = sub_overrun(n - SUB_OVERRUN);
-      else if (n < EVENT_COUNTER)    content = sub_restart(n - SUB_RESTART);
-      else if (n < EVENT_LOG)        content = event_counter(n - EVENT_COUNTER);
-      else if (n < SERVER_ID)        content = event_log(n - EVENT_LOG);
-      else if (n < READ_FILES)       content = server_id(n - SERVER_ID);
-      else if (n < WRITE_FILES)      content = read_files(n - READ_FILES);
-      else if (n < MASK_WRITE)       content = write_files(n - WRITE_FILES);
-      else if (n < READ_WRITE)       content = mask_write(n - MASK_WRITE);
-      else if (n < READ_FIFO)        content = read_write(n - READ_WRITE);
-      else if (n < DEVICE_ID)        content = read_fifo(n - READ_FIFO);
-      else if (n < PROGRAM_END)      content = device_id(n - DEVICE_ID);
+      if (n < READ_COILS)            content = frame_step(n);
+      else if (n < EXCEPTION_STATUS) content = data_step(n);
+      else if (n < SERVER_ID)        content = diagnostics_step(n);
+      else if (n < PROGRAM_END)      content = other_step(n);
+      else                           content = ILLEGAL;
     end
   endfunction
 
