@@ -86,7 +86,12 @@ MISTAKES = [
         "gap_q <= start_stb_i & t15_i;",
     ),
     Mistake("three_bytes_are_a_frame", "modbus_frame_rx.v", "(count_i < 9'd4)", "(count_i < 9'd3)"),
-    Mistake("frame_of_257_bytes_taken", "modbus_frame_rx.v", "long_q    <= long_q    | (full & ~spoiled);", "long_q    <= 1'b0;"),
+    Mistake(
+        "frame_of_257_bytes_taken",
+        "modbus_frame_rx.v",
+        "long_q    <= long_q    | (full & ~spoiled);",
+        "long_q    <= 1'b0;",
+    ),
     Mistake(
         "idle_at_once_after_reset",
         "modbus_frame_rx.v",
@@ -96,8 +101,8 @@ MISTAKES = [
     Mistake(
         "strict_turnaround_ignored",
         "modbus_frame_rx.v",
-        "(~check_q & answered_i ? strict_i : heard)",
-        "(~check_q & answered_i ? 1'b0 : heard)",
+        "(answered_i ? strict_i : heard)",
+        "(answered_i ? 1'b0 : heard)",
     ),
     Mistake("address_248_answers", "modbus_frame_rx.v", " & (address_i[7:3] != 5'h1F)", ""),
     Mistake(
