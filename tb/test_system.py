@@ -180,7 +180,7 @@ SUITES = {
     "diagnostics_counters": (SLAVE, FAST, "diagnostics_counters", None),
     "diagnostics_modes": (SLAVE, FAST, "diagnostics_modes", None),
     **{name: (SLAVE, build, "identity", CONFORMITY_TESTS.get(name, "once|alone")) for name, build in OBJECTS.items()},
-    **{name: (SLAVE, build, "identity", "once/code=3|server_id") for name, build in SEGMENTS.items()},
+    **{name: (SLAVE, build, "identity", "in_order/code=3|server_id") for name, build in SEGMENTS.items()},
     "files": (SLAVE, FAST, "files", None),
     "files_ten": (SLAVE, {**FAST, "FILE_COUNT": 10, "FILE_RECORDS": 8}, "files", "order_of|record_limits|port"),
     "files_long": (SLAVE, {**FAST, "FILE_COUNT": 6, "FILE_RECORDS": 10000}, "files", "record_limits|port"),
