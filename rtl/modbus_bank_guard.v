@@ -5,7 +5,7 @@
 //
 // Exception 02 (illegal data address) when any address of the range is outside its table, when a write touches a
 // read-only holding register, or while write_lock_i is high.  The answer comes one clock after the question,
-// later while hold_i is high.  With OVERLAY the bits are those of the holding registers, sixteen to a
+// later while hold_i is high.  The last address is not below the first.  With OVERLAY the bits are those of the holding registers, sixteen to a
 // register, and the input registers are the holding registers.
 
 `default_nettype none
@@ -30,7 +30,9 @@ module modbus_bank_guard #(
   input  wire [15:0] last_i,
   input  wire        write_i,
   input  wire [15:0] file_i,         // space 4: file number
+  input  wire        flat_i,         // level : space 4 is the records of all files in a row
   output wire        ack_o,          // strobe
+  output wire        refused_o,      // level : a clock later, with or without req_i: what ack_o would bring is a refusal
   output wire [3:0]  exception_o     // level : with ack_o, 0 or 02
 );
 
@@ -63,6 +65,18 @@ module modbus_bank_guard #(
   localparam COIL_LOW     = (OVERLAY != 0) ? 0 : COIL_BASE;
   localparam DISCRETE_LOW = (OVERLAY != 0) ? 0 : DISCRETE_BASE;
   localparam INPUT_LOW    = (OVERLAY != 0) ? 0 : INPUT_BASE;
+  localparam RECORDS      = FILE_COUNT * FILE_RECORDS;
+
+  // Tables from 0 on and of a power of two need no comparison: the bits above are 0 or they are not.
+  localparam ROUND = COIL_LOW == 0 && DISCRETE_LOW == 0 && INPUT_LOW == 0 && HOLDING_BASE == 0 &&
+                     (COILS & (COILS - 1)) == 0 && (DISCRETES & (DISCRETES - 1)) == 0 && (INPUTS & (INPUTS - 1)) == 0 &&
+                     (HOLDING_COUNT & (HOLDING_COUNT - 1)) == 0 &&
+                     (FILE_COUNT == 0 || ((RECORDS & (RECORDS - 1)) == 0 && (FILE_RECORDS & (FILE_RECORDS - 1)) == 0));
+
+  // The file number: what is above the bits of FILE_COUNT, and those
+  localparam FW = (FILE_COUNT > 0) ? $clog2(FILE_COUNT + 1) : 1;
+  wire          many = ({1'b0, file_i} >> FW) != 17'd0;
+  wire [FW-1:0] few  = file_i[FW-1:0];
 
   // First and last address of the table; where it is empty, nothing fits.
   reg [15:0] low, high;
@@ -92,13 +106,18 @@ module modbus_bank_guard #(
       end
       default: begin
         low = 16'd0;
-        high = FILE_RECORDS[15:0] - 16'd1;
-        exists = (FILE_COUNT != 0) & (space_i == `MB_SPACE_FILES) & (file_i != 16'd0) & (file_i <= FILE_COUNT[15:0]);
+        high = (flat_i ? RECORDS[15:0] : FILE_RECORDS[15:0]) - 16'd1;
+        // With 1, 3, 7 ... files the last comparison is always true:
+        // verilator lint_off CMPCONST
+        exists = (FILE_COUNT != 0) & (space_i == `MB_SPACE_FILES) &
+                 (flat_i | (~many & few != {FW{1'b0}} & few <= FILE_COUNT[FW-1:0]));
+        // verilator lint_on CMPCONST
       end
     endcase
   end
 
-  wire exists_all = exists & (first_i >= low) & (last_i <= high);
+  wire fits = (ROUND != 0) ? (last_i & ~high) == 16'd0 : (first_i >= low) & (last_i <= high);
+  wire exists_all = exists & fits;
   wire locked;
 
   generate
@@ -122,6 +141,7 @@ module modbus_bank_guard #(
   end
 
   assign ack_o       = ack_q & req_i;
+  assign refused_o   = bad_q;
   assign exception_o = bad_q ? `MB_EX_ILLEGAL_DATA_ADDRESS : 4'd0;
 
 endmodule

@@ -49,6 +49,9 @@ module modbus_bank_io #(
   output wire [HOLDING_WIDTH-1:0]  holdings_o
 );
 
+  wire refused;
+  wire unused = refused;             // exception_o says it
+
   modbus_bank_guard #(
     .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
     .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
@@ -56,7 +59,7 @@ module modbus_bank_io #(
   ) u_guard (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0),
     .req_i(grant_req_i), .space_i(grant_space_i), .first_i(grant_first_i), .last_i(grant_last_i),
-    .write_i(grant_write_i), .file_i(16'd0), .ack_o(grant_ack_o), .exception_o(exception_o)
+    .write_i(grant_write_i), .file_i(16'd0), .flat_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
   );
 
   reg [COIL_WIDTH-1:0]    coils_q = {COIL_WIDTH{1'b0}};

@@ -28,7 +28,8 @@ module modbus_bit_clock (
   // The two low bits of N are paid out as extra clocks: two in the middle quarters, which keeps a receiver's three
   // looks a full quarter apart and the second one in the middle; one at the end.
   wire extend = (quarter_q == 2'd3) ? bit_time_i[0] : (quarter_q != 2'd0) & bit_time_i[1];
-  wire full   = ~(clocks_q < bit_time_i[15:2]);
+  // Counting up from below, the first number with all the bits of N / 4 is N / 4 itself.
+  wire full   = &(clocks_q | ~bit_time_i[15:2]);
   wire ends   = full & (extended_q | ~extend);
 
   always @(posedge clk_i) begin

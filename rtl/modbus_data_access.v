@@ -54,11 +54,11 @@ module modbus_data_access #(
   input  wire        dry_i,          // level : nothing but the frame
   input  wire        release_i,      // strobe: the request is over, let go of the bus
   input  wire [2:0]  space_i,
-  input  wire [10:0] limit_i,        // level : highest quantity allowed
+  input  wire [10:0] room_i,         // level : 2048 - highest quantity allowed
   input  wire [7:0]  status_i,       // level : for a STATUS load
 
   // Answers
-  output wire        in_limit_o,     // level : 1 <= quantity <= limit_i, two clocks after quantity_i
+  output wire        in_limit_o,     // level : 1 <= quantity <= 2048 - room_i, two clocks after quantity_i
   output wire        bytes_fit_o,    // level : count_i + 1 is the byte count of the quantity; one clock late
   output wire        over_o,         // level : the range passes FFFFH, after range_i
   output wire        beyond_o,       // level : it passes record 270FH, a clock later
@@ -171,10 +171,21 @@ module modbus_data_access #(
     if (lost || burst_done) state_d = ST_REST;
   end
 
-  // Fields come from the request, high byte first, or as a literal.
-  wire        set     = (HAS_LITERALS != 0) & (set_first_i | set_less_i);
-  wire [15:0] field   = set ? {8'd0, literal_i} : {held_q, byte_i};
-  wire        as_it_is = (HAS_LITERALS != 0) & (set_less_i | depth_i);
+  // Fields come from the request, high byte first, or as a literal with high byte 0.
+  wire        set_first = (HAS_LITERALS != 0) & set_first_i;
+  wire        set_less  = (HAS_LITERALS != 0) & set_less_i;
+  wire [15:0] field     = {held_q, (set_first | set_less) ? literal_i : byte_i};
+  wire        as_it_is  = set_less | ((HAS_LITERALS != 0) & depth_i);
+
+  // The sum means nothing while an address is set; written so, a counter that can be loaded takes one cell a bit.
+  wire        set_address = address_i | set_first;
+  wire [15:0] next_first  = first_q + {{15{set_address}}, 1'b1};
+
+  wire        beyond_limit;
+  // verilator lint_off UNUSED
+  wire [10:0] excess;
+  // verilator lint_on UNUSED
+  assign {beyond_limit, excess} = {1'b0, less_one_q[10:0]} + {1'b0, room_i};
 
   always @(posedge clk_i) begin
     state_q <= state_d;
@@ -186,13 +197,14 @@ module modbus_data_access #(
     if (state_q == ST_REST) bit_q <= 3'd0;
     else if (shift)         bit_q <= bit_q + 3'd1;
 
-    if (address_i || (set && set_first_i)) first_q <= field;
-    else if (ack)                          first_q <= first_q + 16'd1;
-    if (single_i)                    less_one_q <= 16'd0;
-    else if (quantity_i || as_it_is) less_one_q <= field + {16{~as_it_is}};
+    if (set_address || ack) first_q <= set_address ? field : next_first;
+    if (set_first)          first_q[15:8] <= 8'd0;
+    if (quantity_i || as_it_is) less_one_q <= field + {16{~as_it_is}};
+    if (set_less)               less_one_q[15:8] <= 8'd0;
+    if (single_i)               less_one_q <= 16'd0;
     if (range_i) {over_q, last_q} <= {1'b0, first_q} + {1'b0, less_one_q};
 
-    in_limit_q  <= (less_one_q[15:11] == 5'd0) & (less_one_q[10:0] < limit_i);
+    in_limit_q  <= (less_one_q[15:11] == 5'd0) & ~beyond_limit;
     bytes_fit_q <= (count_i == {1'b0, bytes_less_one});
 
     if (hold_i || take || load_i || literal || ack || fill) held_q <= moves ? moved : looked;
@@ -206,21 +218,27 @@ module modbus_data_access #(
   // File records: file number, end of a file, and what a read answer comes to: 2 + 2 x quantity a group
   generate
     if (HAS_FILES != 0) begin : gen_files
-      localparam [15:0] LAST_RECORD = 16'h270F;
-      localparam [7:0]  MOST_WORDS = 8'd122;       // F5H bytes
+      // Words of a group: 1 and the quantity.  Counted from 5, more than 122 (F5H bytes) in all show in bit 7.
+      localparam [7:0] NO_GROUP = 8'd5;
       reg [15:0] file_q = 16'd0;
       reg        beyond_q;
       reg [7:0]  words_q;
+      wire [6:0] quantity = less_one_q[6:0] + 7'd1;
+      wire [7:0] total;
+      wire       unused;
+      assign {total, unused} = {words_q, 1'b1} + {1'b0, quantity, 1'b1};
       always @(posedge clk_i) begin
         if (file_i) file_q <= {held_q, byte_i};
-        beyond_q <= (last_q > LAST_RECORD);
-        if (total_clear_i) words_q <= 8'd0;
-        else if (total_i)  words_q <= words_q + {1'b0, less_one_q[6:0]} + 8'd2;
+        // 2710H or more
+        beyond_q <= last_q[15] | last_q[14] |
+                    (last_q[13] & (last_q[12] | last_q[11] | ((last_q[10:8] == 3'd7) & (last_q[7:4] != 4'd0))));
+        if (total_clear_i) words_q <= NO_GROUP;
+        else if (total_i)  words_q <= total;
       end
       assign file_o     = file_q;
       assign beyond_o   = beyond_q;
-      assign too_long_o = (words_q > MOST_WORDS);
-      assign length_o   = {less_one_q[6:0] + 7'd1, 1'b1};
+      assign too_long_o = words_q[7];
+      assign length_o   = {quantity, 1'b1};
     end else begin : gen_no_files
       wire unused = file_i | total_clear_i | total_i;
       assign file_o     = 16'd0;

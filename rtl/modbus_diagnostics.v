@@ -23,7 +23,7 @@ module modbus_diagnostics (
   input  wire [4:0]  which_i,
   input  wire        clear_i,
   input  wire        log_i,          // level : event_i to the log
-  input  wire [7:0]  event_i,
+  input  wire [7:0]  event_i,        // level : 0 without log_i
   input  wire        write_i,        // strobe: now
   input  wire        empty_i,        // strobe: empty the log
   input  wire        listen_i,       // strobe: enter listen-only mode
@@ -68,9 +68,12 @@ module modbus_diagnostics (
   wire [5:0] entry  = newest_q + (log_i ? 6'h3F : wanted);     // a new one comes before the newest
   wire [6:0] at     = log_i ? {1'b1, entry} : count_i ? {2'd0, which_i} : of_log ? {1'b1, entry} : {1'b0, wanted};
   wire       write  = ours & write_i;
+  // Event, 0, or one more: the sum means nothing in the first two cases; written so, it takes one cell a bit.
+  wire        fresh = log_i | clear_i;
+  wire [15:0] next  = word_q + {{15{fresh}}, 1'b1};
 
   always @(posedge clk_i) begin
-    if (write) memory[at] <= log_i ? {8'd0, event_i} : clear_i ? 16'd0 : word_q + 16'd1;
+    if (write) memory[at] <= fresh ? {8'd0, event_i} : next;
     word_q <= memory[at];
     ack_q  <= host & counter_stb_i & ~ack_q;
 

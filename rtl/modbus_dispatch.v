@@ -239,6 +239,13 @@ module modbus_dispatch #(
   wire       is_2b = FUNCTION_CODES[43] & argument[9] & (byte_i == `MB_FC_ENCAPSULATED);
   wire [4:0] entry = fits ? byte_i[4:0] : {4'hF, ~is_2b};
 
+  // The next step, or another; the sum means nothing then, written so it takes one cell a bit.
+  wire       leaves  = ~run_q | raise_q | is_function | taken;
+  wire [8:0] next_at = at_q + {{8{leaves}}, 1'b1};
+  wire [8:0] target  = ~run_q  ? ((HAS_DIAGNOSTICS == 0 || good_i) ? start_i : foreign_i ? foreign_at_i : bad_at_i) :
+                       raise_q ? exception_i :
+                       argument[8:0] | ({4'd0, entry} & {9{is_function}});
+
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~over & ~raise_q;
     is_q      <= 32'd1 << step;
@@ -264,11 +271,7 @@ module modbus_dispatch #(
     failed_q <= run_q & (failed_q | raise_q);
     if (!failed_q && !raise_q) code_q <= cause;
 
-    if (!run_q)           at_q <= (HAS_DIAGNOSTICS == 0 || good_i) ? start_i : foreign_i ? foreign_at_i : bad_at_i;
-    else if (raise_q)     at_q <= exception_i;
-    else if (is_function) at_q <= argument[8:0] | {4'd0, entry};
-    else if (taken)       at_q <= argument[8:0];
-    else if (over)        at_q <= at_q + 9'd1;
+    if (leaves || over) at_q <= leaves ? target : next_at;
 
     if (!run_q) begin
       long_q      <= long_i;
@@ -340,9 +343,9 @@ module modbus_dispatch #(
   assign diag_count_o = is_count;
   assign diag_clear_o = argument[5];
   assign diag_log_o   = is_log;
-  assign diag_event_o = argument[7:0]
+  assign diag_event_o = {8{is_log}} & (argument[7:0]
                       | {1'b0, argument[8] & broadcast_q, listen_only_i, argument[10] & long_q,
-                         sent & {4{argument[9] & refusal}}};
+                         sent & {4{argument[9] & refusal}}});
   assign diag_write_o = second & (is_log | applies);
   assign mode_o = {6{is_mode & over}} & argument[6:1] & {long_q, 2'b11, held_i[0], 2'b11};
 

@@ -46,8 +46,9 @@ module modbus_line_timer #(
   reg       t15_chars_q = 1'b0, t35_chars_q = 1'b0;
 
   always @(posedge clk_i) begin
-    if (quarters_q == t15)  t15_chars_q <= 1'b1;
-    if (quarters_q == t35)  t35_chars_q <= 1'b1;
+    // Counting up from 0, the first number with all the bits of the limit is the limit itself.
+    if (&(quarters_q | ~t15)) t15_chars_q <= 1'b1;
+    if (&(quarters_q | ~t35)) t35_chars_q <= 1'b1;
     if (quarter_stb_i && !t35_chars_q) quarters_q <= quarters_q + 8'd1;
     if (rst_i || busy_i) begin
       quarters_q  <= 8'd0;
@@ -68,8 +69,8 @@ module modbus_line_timer #(
       reg         rest_q = 1'b0, t15_q = 1'b0, t35_q = 1'b0;
       always @(posedge clk_i) begin
         rest_q <= (rest_q | t35_chars_q | (quarters_q == (two_stops ? REST_2 : REST_1))) & ~rst_i & ~busy_i;
-        if (clocks_q == T15_CLOCKS[W-1:0]) t15_q <= 1'b1;
-        if (clocks_q == T35_CLOCKS[W-1:0]) t35_q <= 1'b1;
+        if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
+        if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
         clocks_q <= clocks_q + 1'b1;
         if (!rest_q) begin
           clocks_q <= {W{1'b0}};

@@ -184,6 +184,9 @@ module modbus_program #(
   function [15:0] address(input [2:0] space);
     address = {`MB_STEP_ADDRESS, `MB_FLAG_SPACE | {8'd0, space}};
   endfunction
+  function [15:0] quantity(input [10:0] most);
+    quantity = {`MB_STEP_QUANTITY, -most};
+  endfunction
   function [15:0] count(input [4:0] counter, input [2:0] condition);
     count = {`MB_STEP_COUNT, 2'd0, condition, 1'b0, counter};
   endfunction
@@ -263,7 +266,7 @@ module modbus_program #(
       else if (n < READ_INPUTS)      data_step = in_space(n - READ_HOLDINGS, HOLDINGS, READ_WORDS[8:0]);
       else if (n < READ_BITS)        data_step = in_space(n - READ_INPUTS, INPUTS, READ_WORDS[8:0]);
       else if (n < READ_WORDS)       data_step = read_bits(n - READ_BITS);
-      else if (n < READ)             data_step = plain(`MB_STEP_QUANTITY, MAX_READ_REGISTERS[10:0]);
+      else if (n < READ)             data_step = quantity(MAX_READ_REGISTERS[10:0]);
       else if (n < WRITE_COIL)       data_step = read(n - READ);
       else if (n < WRITE_REGISTER)   data_step = write_coil(n - WRITE_COIL);
       else if (n < WRITE_SINGLE)     data_step = write_register(n - WRITE_REGISTER);

@@ -9,7 +9,7 @@ function [15:0] in_space(input integer n, input [2:0] space, input [8:0] target)
 endfunction
 
 function [15:0] read_bits(input integer n);
-  read_bits = (n == 0) ? plain(`MB_STEP_QUANTITY, MAX_READ_BITS[10:0]) : go(READ[8:0]);
+  read_bits = (n == 0) ? quantity(MAX_READ_BITS[10:0]) : go(READ[8:0]);
 endfunction
 
 function [15:0] read(input integer n);
@@ -56,7 +56,7 @@ endfunction
 function [15:0] write_coils(input integer n);
   case (n)
     0: write_coils = address(COILS);
-    1: write_coils = plain(`MB_STEP_QUANTITY, MAX_WRITE_BITS[10:0]);
+    1: write_coils = quantity(MAX_WRITE_BITS[10:0]);
     default: write_coils = go(WRITE_MULTIPLE[8:0]);
   endcase
 endfunction
@@ -64,7 +64,7 @@ endfunction
 function [15:0] write_registers(input integer n);
   case (n)
     0: write_registers = address(HOLDINGS);
-    default: write_registers = plain(`MB_STEP_QUANTITY, MAX_WRITE_REGISTERS[10:0]);
+    default: write_registers = quantity(MAX_WRITE_REGISTERS[10:0]);
   endcase
 endfunction
 
@@ -127,20 +127,20 @@ endfunction
 function [15:0] read_write(input integer n);
   case (n)
     0: read_write = address(HOLDINGS);
-    1: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[10:0]);
+    1: read_write = quantity(RW_MAX_READ[10:0]);
     2: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
-    3: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_WRITE[10:0]);
+    3: read_write = quantity(RW_MAX_WRITE[10:0]);
     4: read_write = plain(`MB_STEP_BYTE_COUNT, `MB_FLAG_FIT);
     5: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
     6: read_write = plain(`MB_STEP_GRANT, WRITE);
     7: read_write = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
     8: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
-    9: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[10:0]);
+    9: read_write = quantity(RW_MAX_READ[10:0]);
     10: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
     11: read_write = plain(`MB_STEP_GRANT, NO_FLAG);
     12: read_write = jump(`MB_JUMP_READY, READ_WRITE[8:0] + 9'd13);
     13: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
-    14: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_WRITE[10:0]);
+    14: read_write = quantity(RW_MAX_WRITE[10:0]);
     15: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
     16: read_write = at(`MB_STEP_POINT, AT_RW_DATA, NO_FLAG);
     17: read_write = plain(`MB_STEP_BURST, WRITE | KEEP);
@@ -149,7 +149,7 @@ function [15:0] read_write(input integer n);
     20: read_write = plain(`MB_STEP_RANGE, `MB_FLAG_WRITTEN);
     21: read_write = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
     22: read_write = plain(`MB_STEP_ADDRESS, NO_FLAG);
-    23: read_write = plain(`MB_STEP_QUANTITY, RW_MAX_READ[10:0]);
+    23: read_write = quantity(RW_MAX_READ[10:0]);
     24: read_write = plain(`MB_STEP_RANGE, NO_FLAG);
     25: read_write = at(`MB_STEP_POINT, AT_READ_DATA, CLEAR);
     26: read_write = plain(`MB_STEP_BURST, NO_FLAG);
@@ -168,7 +168,7 @@ function [15:0] read_fifo(input integer n);
     4: read_fifo = at(`MB_STEP_POINT, AT_FIFO, NO_FLAG);
     5: read_fifo = plain(`MB_STEP_BURST, KEEP);
     6: read_fifo = at(`MB_STEP_POINT, AT_FIFO, NO_FLAG);
-    7: read_fifo = plain(`MB_STEP_DEPTH, FIFO_MOST + 11'd1);
+    7: read_fifo = {`MB_STEP_DEPTH, 11'd0 - FIFO_MOST - 11'd1};
     8: read_fifo = at(`MB_STEP_POINT, AT_ADDRESS, NO_FLAG);
     9: read_fifo = plain(`MB_STEP_ADDRESS, NO_FLAG);
     10: read_fifo = plain(`MB_STEP_RANGE, NO_FLAG);

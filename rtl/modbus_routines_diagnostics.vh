@@ -170,7 +170,7 @@ function [15:0] event_log(input integer n);
     12: event_log = at(`MB_STEP_POINT, AT_EVENTS, NO_FLAG);
     13: event_log = plain(`MB_STEP_BURST, NO_FLAG);
     14: event_log = at(`MB_STEP_POINT, AT_LOG_SCRATCH, NO_FLAG);
-    15: event_log = plain(`MB_STEP_QUANTITY, 11'd64);
+    15: event_log = quantity(11'd64);
     16: event_log = plain(`MB_STEP_SPACE, {8'd0, EVENTS});
     17: event_log = FIRST_SET;
     18: event_log = plain(`MB_STEP_RANGE, NO_FLAG);

@@ -37,7 +37,7 @@ function [15:0] device_id(input integer n);
     7: device_id = plain(`MB_STEP_LITERAL, 11'h000);
     8: device_id = at(`MB_STEP_PUT, AT_MEI, NO_FLAG);
     9: device_id = at(`MB_STEP_POINT, AT_MEI, NO_FLAG);
-    10: device_id = plain(`MB_STEP_QUANTITY, CONFORMITY[7] ? 11'd4 : 11'd3);
+    10: device_id = quantity(CONFORMITY[7] ? 11'd4 : 11'd3);
     11: device_id = at(`MB_STEP_POINT, AT_MEI, NO_FLAG);
     12: device_id = plain(`MB_STEP_ADDRESS, NO_FLAG);
     // its section: high and low byte of the address lie four apart
@@ -65,7 +65,7 @@ function [15:0] device_id(input integer n);
     // address and length of the objects; more, next, number; then the objects over the record
     33: device_id = at(`MB_STEP_POINT, AT_RECORD + 5'd2, NO_FLAG);
     34: device_id = plain(`MB_STEP_ADDRESS, NO_FLAG);
-    35: device_id = plain(`MB_STEP_QUANTITY, OBJECTS_MOST);
+    35: device_id = quantity(OBJECTS_MOST);
     36: device_id = plain(`MB_STEP_RANGE, NO_FLAG);
     37: device_id = load(`MB_LOAD_BYTE, AT_RECORD + 5'd6, NO_FLAG);
     38: device_id = at(`MB_STEP_PUT, AT_MORE, NO_FLAG);

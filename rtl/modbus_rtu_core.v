@@ -226,7 +226,6 @@ module modbus_rtu_core #(
   wire [3:0]  code, fail_code, user_code;
   wire [7:0]  length;
   wire [15:0] inner_data;
-  reg  [7:0]  status;
   wire        diag_count, diag_clear, diag_log, diag_write;
   wire [7:0]  diag_event;
 
@@ -269,7 +268,7 @@ module modbus_rtu_core #(
     .file_i(do_file), .total_clear_i(do_total_clear), .total_i(do_total), .range_i(do_range), .load_i(do_load),
     .load_what_i(what), .load_flag_i(mark), .literal_stb_i(do_literal), .literal_i(argument[7:0]),
     .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep), .dry_i(dry), .release_i(send_stb | quiet_stb),
-    .space_i(space), .limit_i(argument), .status_i(status), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
+    .space_i(space), .room_i(argument), .status_i(status), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
     .over_o(over), .beyond_o(beyond), .too_long_o(too_long), .length_o(length), .done_o(done), .fail_o(fail),
     .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o), .last_o(grant_last_o), .file_o(grant_file_o),
     .inner_o(inner), .inner_i(inner_data), .byte_i(frame_byte), .count_i(count), .put_o(move_put),
@@ -279,21 +278,17 @@ module modbus_rtu_core #(
     .wb_ack_i(wb_ack_i), .wb_err_i(wb_err_i)
   );
 
-  // What a LOAD step can ask for beside the frame; what is not built in is not looked for.
-  always @* begin
-    status = argument[0] ? {4'd0, code} : count[7:0];
-    if (FUNCTION_CODES[7] && argument[3:0] == `MB_STATUS_EXCEPTION)  status = exception_status_i;
-    if (FUNCTION_CODES[17] && argument[3:0] == `MB_STATUS_RUN)       status = {8{run_indicator_i}};
-    if (FUNCTION_CODES[20] && argument[3:0] == `MB_STATUS_LENGTH)    status = length;
-    if (HAS_DIAGNOSTICS != 0)
-      case (argument[3:0])
-        `MB_STATUS_BUSY: status = {8{busy_i}};
-        `MB_STATUS_HIGH: status = diagnostic_register_o[15:8];
-        `MB_STATUS_LOW:  status = diagnostic_register_o[7:0];
-        `MB_STATUS_LOG:  status = {1'b0, log_count_o};
-        default: ;
-      endcase
-  end
+  // What a LOAD step can ask for beside the frame; what is not built in gives the count.
+  wire [7:0] flag = {8{argument[3] ? run_indicator_i : busy_i}};
+  wire [63:0] statuses = {
+    FUNCTION_CODES[20]     ? length : count[7:0],
+    (HAS_DIAGNOSTICS != 0) ? {1'b0, log_count_o} : count[7:0],
+    (HAS_DIAGNOSTICS != 0) ? diagnostic_register_o : {2{count[7:0]}},
+    (HAS_DIAGNOSTICS != 0 || FUNCTION_CODES[17]) ? flag : count[7:0],
+    FUNCTION_CODES[7]      ? exception_status_i : count[7:0],
+    {4'd0, code},
+    count[7:0]};
+  wire [7:0] status = statuses[{argument[2:0], 3'd0} +: 8];
 
   // The user: he sees the request, appends to the answer, and cannot go beyond the longest PDU.
   generate

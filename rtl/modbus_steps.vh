@@ -15,7 +15,7 @@
 
 // Take the request apart, high byte first; each moves the cursor on and count down
 `define MB_STEP_ADDRESS    5'd3   // first address of a range; SPACE flag: in the space argument[2:0]
-`define MB_STEP_QUANTITY   5'd4   // argument[10:0]: highest quantity; outside 1..highest is exception 03
+`define MB_STEP_QUANTITY   5'd4   // argument[10:0]: 2048 - highest quantity; outside 1..highest is exception 03
 `define MB_STEP_COIL       5'd5   // must be 0000H or FF00H, with the ZERO flag 0000H, else exception 03
 `define MB_STEP_BYTE_COUNT 5'd6   // must be that of the bytes left, else exception 03. FIT flag: and of the quantity; ends
                                    // behind the first data byte
@@ -39,7 +39,7 @@
 `define MB_STEP_MATCH      5'd17  // byte must be argument[7:0], else exception argument[10:8]; 0 there: any byte
 `define MB_STEP_SPACE      5'd18  // argument[2:0]: the space of what follows
 `define MB_STEP_SET        5'd19  // argument[7:0]: first address; LESS flag: quantity less one
-`define MB_STEP_DEPTH      5'd20  // entries behind the first address; argument or more is exception 03
+`define MB_STEP_DEPTH      5'd20  // entries behind the first address; 2048 - argument or more is exception 03
 `define MB_STEP_FILE       5'd21  // file number
 `define MB_STEP_TOTAL      5'd22  // add a group to the length of a file answer; past F5H is exception 03
 `define MB_STEP_CONTEXT    5'd23  // cursor and count: argument[1:0], see MB_CONTEXT_*
@@ -72,11 +72,11 @@
 `define MB_STATUS_CODE      4'd1  // exception code
 `define MB_STATUS_EXCEPTION 4'd2  // the host's exception status
 `define MB_STATUS_BUSY      4'd3  // FFH or 00H
-`define MB_STATUS_RUN       4'd4  // FFH or 00H
-`define MB_STATUS_HIGH      4'd5  // diagnostic register
-`define MB_STATUS_LOW       4'd6
-`define MB_STATUS_LOG       4'd7  // entries of the event log
-`define MB_STATUS_LENGTH    4'd8  // length byte of a file group: 1 + 2 x quantity
+`define MB_STATUS_RUN       4'd11 // FFH or 00H
+`define MB_STATUS_LOW       4'd4  // diagnostic register
+`define MB_STATUS_HIGH      4'd5
+`define MB_STATUS_LOG       4'd6  // entries of the event log
+`define MB_STATUS_LENGTH    4'd7  // length byte of a file group: 1 + 2 x quantity
 
 `define MB_WHEN_ALWAYS     3'd0
 `define MB_WHEN_SUCCESS    3'd1

@@ -15,7 +15,9 @@ module modbus_wait (
 
   reg [15:0] bits_q = 16'd0;
   reg        over_q = 1'b0;                  // in a register: the comparison is long
-  wire       over   = ~(bits_q < limit_i);   // a limit tied to 0 leaves nothing of the counter
+  // Counting up from 0, the first number with all the bits of the limit is the limit itself.  A limit tied to 0
+  // leaves nothing of the counter.
+  wire       over   = &(bits_q | ~limit_i);
 
   always @(posedge clk_i) begin
     over_q <= over & ~clear_i;
