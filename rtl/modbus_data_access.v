@@ -115,11 +115,12 @@ module modbus_data_access #(
   reg        keep_q = 1'b0;
 
   reg        inner_ack_q;           // the inner memory shows first_q
+  reg        inner_q, dry_q;         // where the burst goes, known when it begins
 
   wire words = (HAS_BITS == 0) || (HAS_WORDS != 0 && space_i[2:1] != 2'b00);
-  wire inner = (HAS_INTERNAL != 0) & space_i[2] & (space_i[1:0] != 2'b00);
-  wire bytes  = inner & space_i[1];
-  wire dry    = (HAS_FILES != 0) & dry_i;
+  wire inner = (HAS_INTERNAL != 0) & inner_q;
+  wire bytes = inner & space_i[1];
+  wire dry   = (HAS_FILES != 0) & dry_q;
   wire [7:0] bytes_less_one = words ? {less_one_q[6:0], 1'b1} : less_one_q[10:3];
 
   // Burst
@@ -189,6 +190,8 @@ module modbus_data_access #(
 
   always @(posedge clk_i) begin
     state_q <= state_d;
+    inner_q     <= space_i[2] & (space_i[1:0] != 2'b00);
+    dry_q       <= dry_i;
     inner_ack_q <= item & inner & ~inner_ack_q;
     if (burst_done || lost || release_i) keep_q <= keep_i & burst_done;
     if (state_q == ST_REST) ended_q <= 1'b0;

@@ -111,12 +111,13 @@ module modbus_dispatch #(
 `include "modbus_features.vh"
 
   wire [4:0]  step     = {(HAS_MORE_STEPS != 0) & program_step_i[15], program_step_i[14:11]};
-  wire [10:0] argument = program_step_i[10:0];
 
   reg        run_q = 1'b0;           // a frame is worked on
   reg        fetched_q = 1'b0;       // program_step_i is the step at at_q
   reg [8:0]  at_q = 9'd0;
   reg [31:0] is_q = 32'd0;           // the step being carried out, one hot
+  reg [10:0] argument;               // and its argument
+  reg        fields_q = 1'b0;        // it is one that takes fields of the request
   reg [1:0]  phase_q = 2'd0;         // its clock, 0 to 3
   reg        raise_q = 1'b0;         // the step before went wrong
   reg        failed_q = 1'b0;        // an exception is to be answered
@@ -124,7 +125,6 @@ module modbus_dispatch #(
   reg        broadcast_q = 1'b0;
   reg        long_q = 1'b0;
   reg [2:0]  space_q;
-  reg        write_q, dry_q;         // of the step, registered because much hangs on them
   reg        arrived_q;              // the cursor was at the place a clock ago: a walk goes every other clock
   reg        finished_q;             // bank, burst or user ended a clock ago
   reg        count_held_q;           // count was the held byte a clock ago
@@ -199,11 +199,11 @@ module modbus_dispatch #(
   // ------------------------------------------------------------------ the step and the next
 
   // A step that looks at fields or places takes four clocks, the others one or as long as it takes.
-  wire fields = is_address | is_quantity | is_depth | is_file | is_coil | is_byte_count;
-  wire over   = ((fields | is_range | is_load | is_put | is_total) & fourth)
+  wire set_mode = is_mode & ~(argument[0] & sending_i);
+  wire over   = ((fields_q | is_range | is_load | is_put | is_total) & fourth)
               | ((is_if | is_match | is_count | is_log) & second)
               | ((is_grant | is_burst | is_offer) & finished_q) | (is_walk & phase_q[0] & arrived_q)
-              | (is_mode & ~(argument[0] & sending_i))
+              | set_mode
               | is_function | is_jump | is_end | is_space | is_set | is_point | is_context | is_literal | is_send
               | is_rest;
 
@@ -249,18 +249,19 @@ module modbus_dispatch #(
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~over & ~raise_q;
     is_q      <= 32'd1 << step;
+    fields_q  <= (step >= `MB_STEP_ADDRESS && step <= `MB_STEP_BYTE_COUNT)
+               | (HAS_FIFO != 0 && step == `MB_STEP_DEPTH) | (HAS_FILES != 0 && step == `MB_STEP_FILE);
     phase_q   <= phase_q + 2'd1;
-    if (!fetched_q || over || raise_q) is_q <= 32'd0;
+    if (!fetched_q || over || raise_q) {is_q, fields_q} <= 33'd0;
     if (is_q == 32'd0)      phase_q <= 2'd0;
 
     if (is_space || (is_address && argument[3])) space_q <= argument[2:0];
-    write_q      <= argument[0];
-    dry_q        <= argument[2];
+    argument     <= program_step_i[10:0];
     arrived_q    <= (cursor_i == argument[3:0]);
     finished_q   <= done_i | fail_i | (is_offer & user_done_i) | user_fail;
     count_held_q <= (count_i == {1'b0, held_i});
     holds_q      <= holds;
-    restart_q    <= is_mode & over & argument[7];
+    restart_q    <= set_mode & argument[7];
     left_q       <= (count_i != 9'd0);
     no_words_q   <= (count_i == 9'd0) | count_i[0] | count_i[8];
     unready_q    <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;
@@ -283,13 +284,14 @@ module modbus_dispatch #(
       if (HAS_DIAGNOSTICS != 0) at_q <= reset_i;
       fetched_q <= 1'b0;
       is_q      <= 32'd0;
+      fields_q  <= 1'b0;
       raise_q   <= 1'b0;
     end
   end
 
   // ------------------------------------------------------------------ what the step does
 
-  wire consume = (fields & first) | (fields & second & (~is_byte_count | argument[0]))
+  wire consume = (fields_q & first) | (fields_q & second & (~is_byte_count | argument[0]))
                | is_function | (is_match & second);
   wire walk    = is_walk & phase_q[0] & ~arrived_q;
   wire placed  = is_put & second;
@@ -311,7 +313,7 @@ module modbus_dispatch #(
   assign context_keep_o   = is_context & argument[0];
   assign context_recall_o = is_context & argument[1];
 
-  assign hold_o      = fields & first;
+  assign hold_o      = fields_q & first;
   assign address_o   = is_address & second;
   assign quantity_o  = is_quantity & second;
   assign depth_o     = is_depth & second;
@@ -327,10 +329,12 @@ module modbus_dispatch #(
   assign grant_o     = is_grant & ~finished_q;
   assign burst_o     = is_burst & ~finished_q;
   assign argument_o  = argument;
-  assign space_o     = space_q;
-  assign write_o     = write_q;
+  // Bits of the space that are the same for all functions built in
+  assign space_o     = {space_q[2] & (HAS_MORE_STEPS != 0), space_q[1] | (HAS_BITS == 0 && HAS_MORE_STEPS == 0),
+                        space_q[0] | (HAS_OTHER_SPACES == 0)};
+  assign write_o     = argument[0];
   assign keep_o      = argument[1];
-  assign dry_o       = dry_q;
+  assign dry_o       = argument[2];
   assign what_o      = argument[8:7];
   assign mark_o      = argument[5];
   assign code_o      = code_q;
@@ -347,7 +351,7 @@ module modbus_dispatch #(
                       | {1'b0, argument[8] & broadcast_q, listen_only_i, argument[10] & long_q,
                          sent & {4{argument[9] & refusal}}});
   assign diag_write_o = second & (is_log | applies);
-  assign mode_o = {6{is_mode & over}} & argument[6:1] & {long_q, 2'b11, held_i[0], 2'b11};
+  assign mode_o = {6{set_mode}} & argument[6:1] & {long_q, 2'b11, held_i[0], 2'b11};
 
 endmodule
 

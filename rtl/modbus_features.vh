@@ -7,6 +7,8 @@
 // verilator lint_off UNUSED
 localparam integer HAS_BITS   = ((FUNCTION_CODES & 64'h0000000000008026) != 0) ? 1 : 0;   // 01 02 05 0F
 localparam integer HAS_WORDS  = ((FUNCTION_CODES & ~64'h0000000000008026) != 0) ? 1 : 0;  // all others
+// Other spaces than the holding registers and the discrete inputs, which have odd numbers
+localparam integer HAS_OTHER_SPACES = ((FUNCTION_CODES & ~64'h0000000000C1004C) != 0) ? 1 : 0;  // but 02 03 06 10 16 17
 localparam integer HAS_MASK   = ((FUNCTION_CODES & 64'h0000000000400000) != 0) ? 1 : 0;   // 16
 localparam integer HAS_FIFO   = ((FUNCTION_CODES & 64'h0000000001000000) != 0) ? 1 : 0;   // 18
 localparam integer HAS_FILES  = ((FUNCTION_CODES & 64'h0000000000300000) != 0) ? 1 : 0;   // 14 15

@@ -50,8 +50,8 @@ module modbus_frame_ram #(
   wire       recall = (HAS_CONTEXT != 0) & recall_i;
   wire       upper  = (HAS_UPPER != 0) & point_at_i[4];
   // The sum means nothing while a place is pointed at; written so, a counter that can be loaded takes one cell a bit.
-  wire [8:0] next   = cursor_q + {{8{point_i}}, step_i};
-  wire [8:0] moved  = point_i ? {upper, 4'd0, point_at_i[3:0]} : next;
+  wire [8:0] next   = cursor_q + {{8{point_i}}, 1'b1};
+  wire [8:0] moved  = point_i ? {upper, 4'd0, point_at_i[3:0]} : step_i ? next : cursor_q;
   wire [8:0] cursor_d = recall ? kept_cursor : moved;
   wire [8:0] read_at  = look_i ? {1'b0, look_at_i} : cursor_d;
 

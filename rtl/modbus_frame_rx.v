@@ -65,7 +65,9 @@ module modbus_frame_rx (
   reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
   reg       heard_q = 1'b0;          // a character came while we worked
   reg       store_q = 1'b0;
-  reg       check_q = 1'b0;          // the frame is good, its first byte is looked at
+  // The frame is good: cursor to its first byte, look at that, decide whose it is; a clock each
+  reg       look_q = 1'b0, check_q = 1'b0, decide_q = 1'b0;
+  reg       for_us_q, for_all_q;
 
   wire reception = (state_q == ST_RECEPTION);
   wire full      = count_i[8];
@@ -93,7 +95,7 @@ module modbus_frame_rx (
       // Characters of one frame, until t3.5 of silence.
       ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
       // The frame is worked on and answered; first of all, whose is it?
-      ST_WORK: if (done_stb_i || (check_q && !for_us)) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+      ST_WORK: if (done_stb_i || (decide_q && !for_us_q)) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
     endcase
   end
 
@@ -101,7 +103,11 @@ module modbus_frame_rx (
     state_q <= state_d;
     store_q <= reception & char_stb_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
-    check_q <= good & ~rst_i;
+    look_q   <= good & ~rst_i;
+    check_q  <= look_q & ~rst_i;
+    decide_q <= check_q & ~rst_i;
+    for_us_q  <= for_us;
+    for_all_q <= for_all;
     if (open_stb_o) begin
       parity_q  <= 1'b0;
       framing_q <= 1'b0;
@@ -118,10 +124,10 @@ module modbus_frame_rx (
     if (rst_i || restart_i) state_q <= ST_INITIAL;
   end
 
-  assign look_stb_o    = good;
-  assign good_stb_o    = check_q & for_us;
-  assign broadcast_o   = for_all;
-  assign foreign_stb_o = check_q & ~for_us;
+  assign look_stb_o    = look_q;
+  assign good_stb_o    = decide_q & for_us_q;
+  assign broadcast_o   = for_all_q;
+  assign foreign_stb_o = decide_q & ~for_us_q;
   assign bad_stb_o     = verdict & ~good;
   assign active_o      = reception;
   assign err_parity_o  = verdict & parity_q;
@@ -155,7 +161,7 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
-    if (look_stb_o || check_q || $past(check_q)) assume (!restart_i);   // nothing is under way then
+    if (good || look_q || check_q || decide_q || $past(decide_q)) assume (!restart_i);   // nothing is under way then
   end
 
   always @(posedge clk_i) if (f_past) begin
@@ -163,19 +169,21 @@ module modbus_frame_rx (
       assert (f_stored <= 9'd256);
       assert (f_clean || parity_q || framing_q);
     end
-    if (look_stb_o) begin
+    if (good) begin
       assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 && f_stored <= 9'd256);
       assert (gap_count_only_i || !gap_q);
       assert (!long_q);
       assert (!(f_error && !err_gap_o));
     end
-    if (verdict) assert (look_stb_o || f_error);             // every frame is accounted for
-    if (good_stb_o || foreign_stb_o) assert ($past(look_stb_o));
-    if (check_q) assert (good_stb_o != foreign_stb_o);
-    if (good_stb_o) assert ((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247);
+    if (verdict) assert (good || f_error);             // every frame is accounted for
+    if (look_q) assert ($past(good));
+    if (check_q) assert ($past(look_q));
+    if (good_stb_o || foreign_stb_o) assert ($past(check_q));
+    if (decide_q) assert (good_stb_o != foreign_stb_o);
+    if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247));
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
     if ($past(good_stb_o) && !$past(rst_i | restart_i | done_stb_i)) assert (state_q == ST_WORK);
-    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !look_stb_o);
+    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
     cover (err_overrun_o);

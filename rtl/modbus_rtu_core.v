@@ -414,8 +414,8 @@ module modbus_rtu_core #(
       if (grant_write_o) f_write_granted <= 1'b1;
     end
     if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
-    if (look_stb) f_good <= crc_zero & (count >= 9'd4) & t35;
-    if (good_stb) f_ours <= (frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247;
+    if (look_stb) f_good <= $past(crc_zero & (count >= 9'd4) & t35);
+    if (good_stb) f_ours <= $past((frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247);
   end
 
   always @* if (!f_past) assume (rst_i);

@@ -60,16 +60,18 @@ module modbus_uart_rx (
   reg       start_stb_q = 1'b0, bit_stb_q = 1'b0, char_stb_q = 1'b0;
   reg       framing_error_q = 1'b0, parity_error_q = 1'b0;
 
+  // Which quarter and which bit it is, known a clock after they began
+  reg  second_q = 1'b0, third_q = 1'b0;              // this quarter ends with the look that may decide, or must
+  reg  is_stop_q = 1'b0, is_parity_q = 1'b0;
+  reg  may_rest_q = 1'b0;                            // it ends with the look that makes a good stop bit, if the line is high
+
   // Whichever look completes the majority has the majority's value.
-  wire decide   = quarter_stb_i & ~decided_q &
-                  ((quarter_i == 2'd1 && line_q == first_q) || quarter_i == 2'd2);
-  wire is_stop   = (index_q == bit_stop);
-  wire is_parity = has_parity && index_q == BIT_PARITY;
-  wire confirm    = (state_q == ST_START) & decide & ~line_q;
-  wire take_bit   = (state_q == ST_BITS) & decide;
-  wire finish     = take_bit & is_stop;
+  wire decide   = quarter_stb_i & (third_q | (second_q & line_q == first_q));
+  wire confirm  = (state_q == ST_START) & decide & ~line_q;
+  wire take_bit = (state_q == ST_BITS) & decide;
+  wire finish   = take_bit & is_stop_q;
   // The start bit behind a fast sender's stop bit may fall in the very clock in which that is decided.
-  wire begin_char = ((state_q == ST_IDLE) | (finish & line_q)) & enable_i & ~rxd_i;
+  wire begin_char = ((state_q == ST_IDLE) | (quarter_stb_i & may_rest_q & line_q)) & enable_i & ~rxd_i;
 
   always @* begin
     state_d = state_q;
@@ -90,9 +92,16 @@ module modbus_uart_rx (
   end
 
   always @(posedge clk_i) begin
+    second_q    <= ~decided_q & (quarter_i == 2'd1);
+    third_q     <= ~decided_q & (quarter_i == 2'd2);
+    may_rest_q  <= (state_q == ST_BITS) & (index_q == bit_stop) & ~decided_q
+                   & ((quarter_i == 2'd1 && first_q) || quarter_i == 2'd2);
+    is_stop_q   <= (index_q == bit_stop);
+    is_parity_q <= has_parity & (index_q == BIT_PARITY);
+
     line_q      <= rxd_i;
     start_stb_q <= confirm & enable_i;
-    bit_stb_q   <= take_bit & ~is_stop & ~is_parity;
+    bit_stb_q   <= take_bit & ~is_stop_q & ~is_parity_q;
     char_stb_q  <= finish & enable_i;
     if (finish) begin
       framing_error_q <= ~line_q;
@@ -104,9 +113,9 @@ module modbus_uart_rx (
       decided_q <= (decided_q | decide) & (quarter_i != 2'd3);
       if (quarter_i == 2'd3) index_q <= index_q + 4'd1;
     end
-    if (take_bit && !is_stop) begin
+    if (take_bit && !is_stop_q) begin
       parity_q <= parity_q ^ line_q;
-      if (!is_parity) data_q <= {line_q, data_q[7:1]};
+      if (!is_parity_q) data_q <= {line_q, data_q[7:1]};
     end
     if (begin_char) begin
       index_q   <= 4'd0;
@@ -147,7 +156,7 @@ module modbus_uart_rx (
   always @(posedge clk_i) if (f_past) begin
     assume ($stable(format_i) || state_q == ST_IDLE);
     // The bit clock counts quarters and begins anew where we ask for it.
-    if ($past(restart_o))          assume (quarter_i == 2'd0);
+    if ($past(restart_o))          assume (quarter_i == 2'd0 && !quarter_stb_i);
     else if ($past(quarter_stb_i)) assume (quarter_i == $past(quarter_i) + 2'd1);
     else                           assume ($stable(quarter_i));
     assume (!$past(quarter_stb_i) || !quarter_stb_i);
@@ -166,6 +175,7 @@ module modbus_uart_rx (
     if (char_stb_o) assert (f_bits == 4'd8);                         // never a shorter or longer one
     if (char_stb_o) assert (framing_error_o ? state_q == ST_BREAK || !busy_o : !busy_o || state_q == ST_BREAK);
     assert (!(start_stb_o && char_stb_o));
+    assert (!quarter_stb_i || (may_rest_q & line_q) == (finish & line_q));
     if (!$past(enable_i)) assert (!busy_o && !start_stb_o && !char_stb_o);   // deaf
     cover (char_stb_o && data_o == 8'hA5 && !framing_error_o && !parity_error_o);
     cover (char_stb_o && framing_error_o);

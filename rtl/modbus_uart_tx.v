@@ -47,19 +47,27 @@ module modbus_uart_tx (
   reg [3:0] index_q = 4'd0;        // bit now on the line: 0 start, 1..8 data, parity or stop, stop
   reg [7:0] data_q = 8'h00;
 
+  // What the bit on the line is: known a clock after it began, long before it ends
+  reg  data_bits_q = 1'b0;         // a data bit follows
+  reg  parity_next_q = 1'b0;       // the parity bit follows
+  reg  last_q = 1'b0;              // nothing follows
+
   wire step   = busy_q & bit_stb_i;
-  wire ends   = step & (index_q == index_last);
+  wire ends   = step & last_q;
   wire take   = valid_i & ready_o;
   wire serial = check_q ? check_bit_i : data_q[0];
 
   assign ready_o   = ~busy_q | ends;
-  assign bit_stb_o = step & (index_q < BIT_DATA_LAST);
+  assign bit_stb_o = step & data_bits_q;
   assign bit_o     = serial;
   assign feed_o    = ~check_q;
   assign restart_o = valid_i & ~busy_q;
   assign txd_o     = txd_q;
 
   always @(posedge clk_i) begin
+    data_bits_q   <= (index_q < BIT_DATA_LAST);
+    parity_next_q <= (index_q == BIT_DATA_LAST) & has_parity;
+    last_q        <= (index_q == index_last);
     if (take) begin
       busy_q   <= 1'b1;
       index_q  <= 4'd0;
@@ -74,7 +82,7 @@ module modbus_uart_tx (
         data_q   <= {1'b0, data_q[7:1]};
         parity_q <= parity_q ^ serial;
         txd_q    <= serial;
-      end else if (index_q == BIT_DATA_LAST && has_parity) begin
+      end else if (parity_next_q) begin
         txd_q <= parity_q;
       end
       if (ends) busy_q <= 1'b0;
@@ -107,6 +115,10 @@ module modbus_uart_tx (
 
   always @* if (!f_past) assume (rst_i);
   always @(posedge clk_i) if (f_past && $past(busy_q | take)) assume ($stable(format_i));
+  // A bit lasts three clocks or more, also the first.
+  always @(posedge clk_i) if (f_past) assume (!bit_stb_i || !($past(bit_stb_i) || $past(take) || f_young));
+  reg f_young = 1'b0;
+  always @(posedge clk_i) f_young <= bit_stb_i | take;
 
   always @(posedge clk_i) if (f_past) begin
     assert (check_q == f_check || !busy_q);
