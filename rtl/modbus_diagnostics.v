@@ -7,7 +7,7 @@
 // 127, newest first from newest_q on.  What is counted, logged and cleared, and when, is written in modbus_program
 // (MODBUS over Serial Line V1.02, appendix A; MODBUS Application Protocol V1.1b3, clauses 6.8 to 6.10).
 //
-// count_i and log_i are held for two clocks, write_i high in the second.  Between them the RAM serves the burst of
+// count_i and log_i are held for two clocks, now_i is high in the second.  Between them the RAM serves the burst of
 // an answer, else the host: counter_ack_o comes when it did, so the host never stops the line.  After rst_i the
 // program clears the counters.
 
@@ -24,7 +24,8 @@ module modbus_diagnostics (
   input  wire        clear_i,
   input  wire        log_i,          // level : event_i to the log
   input  wire [7:0]  event_i,        // level : 0 without log_i
-  input  wire        write_i,        // strobe: now
+  input  wire        now_i,          // level : the second of their two clocks
+  input  wire        applies_i,      // level : with count_i, the counter is changed
   input  wire        empty_i,        // strobe: empty the log
   input  wire        listen_i,       // strobe: enter listen-only mode
   input  wire        active_i,       // strobe: leave it
@@ -67,7 +68,8 @@ module modbus_diagnostics (
   wire [5:0] wanted = read_i ? read_at_i  : counter_adr_i[5:0];
   wire [5:0] entry  = newest_q + (log_i ? 6'h3F : wanted);     // a new one comes before the newest
   wire [6:0] at     = log_i ? {1'b1, entry} : count_i ? {2'd0, which_i} : of_log ? {1'b1, entry} : {1'b0, wanted};
-  wire       write  = ours & write_i;
+  wire       logs   = log_i & now_i;
+  wire       write  = logs | (count_i & now_i & applies_i);
   // Event, 0, or one more: the sum means nothing in the first two cases; written so, it takes one cell a bit.
   wire        fresh = log_i | clear_i;
   wire [15:0] next  = word_q + {{15{fresh}}, 1'b1};
@@ -77,7 +79,7 @@ module modbus_diagnostics (
     word_q <= memory[at];
     ack_q  <= host & counter_stb_i & ~ack_q;
 
-    if (write && log_i) begin
+    if (logs) begin
       newest_q <= entry;
       if (entries_q != LOG_ENTRIES) entries_q <= entries_q + 7'd1;
     end

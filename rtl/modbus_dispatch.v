@@ -103,7 +103,8 @@ module modbus_dispatch #(
   output wire        diag_clear_o,
   output wire        diag_log_o,
   output wire [7:0]  diag_event_o,
-  output wire        diag_write_o,
+  output wire        diag_now_o,     // level : the clock to do it in
+  output wire        diag_applies_o, // level : the condition of a count holds
   output wire [6:1]  mode_o,         // strobes, see MB_MODE_*
   input  wire        listen_only_i
 );
@@ -115,8 +116,11 @@ module modbus_dispatch #(
   reg        run_q = 1'b0;           // a frame is worked on
   reg        fetched_q = 1'b0;       // program_step_i is the step at at_q
   reg [8:0]  at_q = 9'd0;
-  reg [31:0] is_q = 32'd0;           // the step being carried out, one hot
+  // verilator lint_off UNUSED
+  reg [31:0] is_q = 32'd0;           // the step being carried out, one hot; there are no steps 29 to 31
+  // verilator lint_on UNUSED
   reg [10:0] argument;               // and its argument
+  reg        active_q = 1'b0;        // there is one
   reg        fields_q = 1'b0;        // it is one that takes fields of the request
   reg [1:0]  phase_q = 2'd0;         // its clock, 0 to 3
   reg        raise_q = 1'b0;         // the step before went wrong
@@ -239,6 +243,15 @@ module modbus_dispatch #(
   wire       is_2b = FUNCTION_CODES[43] & argument[9] & (byte_i == `MB_FC_ENCAPSULATED);
   wire [4:0] entry = fits ? byte_i[4:0] : {4'hF, ~is_2b};
 
+  wire idle = ~fetched_q | over | raise_q;
+  reg [31:0] decoded;
+  integer k;
+  always @* begin
+    for (k = 0; k < 16; k = k + 1) decoded[k] = (step[3:0] == k[3:0]);
+    for (k = 16; k < 24; k = k + 1) decoded[k] = ({step[4], step[2:0]} == {1'b1, k[2:0]});
+    for (k = 24; k < 32; k = k + 1) decoded[k] = ({step[4:3], step[1:0]} == {2'b11, k[1:0]});
+  end
+
   // The next step, or another; the sum means nothing then, written so it takes one cell a bit.
   wire       leaves  = ~run_q | raise_q | is_function | taken;
   wire [8:0] next_at = at_q + {{8{leaves}}, 1'b1};
@@ -248,12 +261,17 @@ module modbus_dispatch #(
 
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~over & ~raise_q;
-    is_q      <= 32'd1 << step;
+    is_q      <= decoded;
     fields_q  <= (step >= `MB_STEP_ADDRESS && step <= `MB_STEP_BYTE_COUNT)
                | (HAS_FIFO != 0 && step == `MB_STEP_DEPTH) | (HAS_FILES != 0 && step == `MB_STEP_FILE);
     phase_q   <= phase_q + 2'd1;
-    if (!fetched_q || over || raise_q) {is_q, fields_q} <= 33'd0;
-    if (is_q == 32'd0)      phase_q <= 2'd0;
+    if (idle) fields_q <= 1'b0;
+    if (idle || step[4]) is_q[15:0] <= 16'd0;
+    if (idle || step[3]) is_q[23:16] <= 8'd0;
+    if (idle || step[2]) is_q[27:24] <= 4'd0;
+    if (idle || !step[2]) is_q[31:28] <= 4'd0;
+    if (!active_q) phase_q <= 2'd0;
+    active_q <= ~idle;
 
     if (is_space || (is_address && argument[3])) space_q <= argument[2:0];
     argument     <= program_step_i[10:0];
@@ -284,6 +302,7 @@ module modbus_dispatch #(
       if (HAS_DIAGNOSTICS != 0) at_q <= reset_i;
       fetched_q <= 1'b0;
       is_q      <= 32'd0;
+      active_q  <= 1'b0;
       fields_q  <= 1'b0;
       raise_q   <= 1'b0;
     end
@@ -350,7 +369,8 @@ module modbus_dispatch #(
   assign diag_event_o = {8{is_log}} & (argument[7:0]
                       | {1'b0, argument[8] & broadcast_q, listen_only_i, argument[10] & long_q,
                          sent & {4{argument[9] & refusal}}});
-  assign diag_write_o = second & (is_log | applies);
+  assign diag_now_o   = second;
+  assign diag_applies_o = applies;
   assign mode_o = {6{set_mode}} & argument[6:1] & {long_q, 2'b11, held_i[0], 2'b11};
 
 endmodule

@@ -161,7 +161,7 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
-    if (good || look_q || check_q || decide_q || $past(decide_q)) assume (!restart_i);   // nothing is under way then
+    if (good || look_q || check_q || decide_q || $past(decide_q)) assume (!restart_i && !done_stb_i);   // nothing is under way then
   end
 
   always @(posedge clk_i) if (f_past) begin

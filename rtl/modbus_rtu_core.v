@@ -226,7 +226,7 @@ module modbus_rtu_core #(
   wire [3:0]  code, fail_code, user_code;
   wire [7:0]  length;
   wire [15:0] inner_data;
-  wire        diag_count, diag_clear, diag_log, diag_write;
+  wire        diag_count, diag_clear, diag_log, diag_now, diag_applies;
   wire [7:0]  diag_event;
 
   modbus_program #(
@@ -256,7 +256,7 @@ module modbus_rtu_core #(
     .done_i(done), .fail_i(fail), .fail_code_i(fail_code), .held_i(held), .offer_o(do_offer),
     .user_done_i(user_done), .user_fail_i(user_fail), .user_pass_i(user_pass_i), .user_code_i(user_code),
     .diag_count_o(diag_count), .diag_clear_o(diag_clear), .diag_log_o(diag_log), .diag_event_o(diag_event),
-    .diag_write_o(diag_write), .mode_o(mode), .listen_only_i(listen_only_o)
+    .diag_now_o(diag_now), .diag_applies_o(diag_applies), .mode_o(mode), .listen_only_i(listen_only_o)
   );
 
   modbus_data_access #(
@@ -326,7 +326,7 @@ module modbus_rtu_core #(
     if (HAS_DIAGNOSTICS != 0) begin : gen_diagnostics
       modbus_diagnostics u_diagnostics (
         .clk_i(clk_i), .rst_i(rst_i), .count_i(diag_count), .which_i(argument[4:0]), .clear_i(diag_clear),
-        .log_i(diag_log), .event_i(diag_event), .write_i(diag_write), .listen_i(mode[1]), .active_i(mode[2]),
+        .log_i(diag_log), .event_i(diag_event), .now_i(diag_now), .applies_i(diag_applies), .listen_i(mode[1]), .active_i(mode[2]),
         .empty_i(mode[3]), .clear_register_i(mode[4]), .no_overrun_i(mode[5]), .overrun_i(mode[6]),
         .listen_only_o(listen_only_o), .register_o(diagnostic_register_o), .log_count_o(log_count_o),
         .read_i(inner), .read_log_i(space[1]), .read_at_i(grant_first_o[5:0]), .data_o(counters_data),
@@ -334,7 +334,7 @@ module modbus_rtu_core #(
         .counter_ack_o(counter_ack_o)
       );
     end else begin : gen_no_diagnostics
-      wire unused = &{1'b0, diagnostic_i, counter_adr_i, mode, diag_count, diag_clear, diag_log, diag_write, diag_event, inner};
+      wire unused = &{1'b0, diagnostic_i, counter_adr_i, mode, diag_count, diag_clear, diag_log, diag_now, diag_applies, diag_event, inner};
       reg ack_q = 1'b0;
       always @(posedge clk_i) ack_q <= counter_stb_i & ~ack_q & ~rst_i;
       assign listen_only_o = 1'b0;

@@ -63,7 +63,6 @@ module modbus_uart_rx (
   // Which quarter and which bit it is, known a clock after they began
   reg  second_q = 1'b0, third_q = 1'b0;              // this quarter ends with the look that may decide, or must
   reg  is_stop_q = 1'b0, is_parity_q = 1'b0;
-  reg  may_rest_q = 1'b0;                            // it ends with the look that makes a good stop bit, if the line is high
 
   // Whichever look completes the majority has the majority's value.
   wire decide   = quarter_stb_i & (third_q | (second_q & line_q == first_q));
@@ -71,7 +70,7 @@ module modbus_uart_rx (
   wire take_bit = (state_q == ST_BITS) & decide;
   wire finish   = take_bit & is_stop_q;
   // The start bit behind a fast sender's stop bit may fall in the very clock in which that is decided.
-  wire begin_char = ((state_q == ST_IDLE) | (quarter_stb_i & may_rest_q & line_q)) & enable_i & ~rxd_i;
+  wire begin_char = ((state_q == ST_IDLE) | (finish & line_q)) & enable_i & ~rxd_i;
 
   always @* begin
     state_d = state_q;
@@ -94,8 +93,6 @@ module modbus_uart_rx (
   always @(posedge clk_i) begin
     second_q    <= ~decided_q & (quarter_i == 2'd1);
     third_q     <= ~decided_q & (quarter_i == 2'd2);
-    may_rest_q  <= (state_q == ST_BITS) & (index_q == bit_stop) & ~decided_q
-                   & ((quarter_i == 2'd1 && first_q) || quarter_i == 2'd2);
     is_stop_q   <= (index_q == bit_stop);
     is_parity_q <= has_parity & (index_q == BIT_PARITY);
 
@@ -175,7 +172,6 @@ module modbus_uart_rx (
     if (char_stb_o) assert (f_bits == 4'd8);                         // never a shorter or longer one
     if (char_stb_o) assert (framing_error_o ? state_q == ST_BREAK || !busy_o : !busy_o || state_q == ST_BREAK);
     assert (!(start_stb_o && char_stb_o));
-    assert (!quarter_stb_i || (may_rest_q & line_q) == (finish & line_q));
     if (!$past(enable_i)) assert (!busy_o && !start_stb_o && !char_stb_o);   // deaf
     cover (char_stb_o && data_o == 8'hA5 && !framing_error_o && !parity_error_o);
     cover (char_stb_o && framing_error_o);

@@ -8,6 +8,7 @@ from mbrtu.defs import ERRORS
 from modules.common import clocks, settle, start, strobe, watch
 
 T15, T35 = 5, 12  # clocks of silence in this bench
+VERDICT = 6  # clocks, at least: cursor to the first byte, look at it, decide whose it is
 STROBES = (*(f"err_{e}" for e in ERRORS), "good_stb")
 
 
@@ -50,7 +51,7 @@ class Receiver:
             await clocks(self.dut)
             self.dut.t15_i.value = int(clock + 1 >= T15)
             self.dut.t35_i.value = int(clock + 1 >= T35)
-        await clocks(self.dut, 3)
+        await clocks(self.dut, VERDICT)
 
     async def frame(self, length, crc_zero=1, gap_at=None, parity_at=None, framing_at=None):
         """A whole frame and its verdict: the set of strobes that rose."""
