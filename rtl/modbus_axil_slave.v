@@ -5,9 +5,9 @@
 //
 // The map is that of modbus_axil_master as it comes: item n of a table is the 32-bit word at byte address {space, n, 00}.
 // A register is in bits 15..0, a bit in bit 0; the other bits read 0 and are ignored when written.  Address bits 1..0 mean nothing.
-// SLVERR: no such item, and nothing is written; or a write of half a register (one of strobes 1..0), for the memory knows
-// whole ones only: use stores of 16 or 32 bits.  Of a bit only strobe 0 counts.  A write without any of the strobes that
-// count is OKAY and does nothing.
+// SLVERR: no such item, and nothing is written, and what was read means nothing; or a write of half a register (one of
+// strobes 1..0), for the memory knows whole ones only: use stores of 16 or 32 bits.  Of a bit only strobe 0 counts.  A write
+// without any of the strobes that count is OKAY and does nothing.
 //
 // HOLD, the word at 1C0000H (space 7, item 0): while its bit 0 is 1 the memory stays the CPU's between accesses, so that several
 // of them are one piece to the line, which waits, up to its stall limit.  HOLD = 0 as a parameter leaves it out.
@@ -104,7 +104,7 @@ module modbus_axil_slave #(
     end
     if (state_q == ST_ACCESS && ends) begin
       bad_q <= host_err_i;
-      if (!write_q) data_q <= host_dat_i & {16{~host_err_i}};
+      if (!write_q) data_q <= host_dat_i;
     end
 
     if (accept && write_q)  berr_q <= bad_q;
