@@ -5,7 +5,7 @@
 //
 // The map is that of modbus_axil_master as it comes: item n of a table is the 32-bit word at byte address {space, n, 00}.
 // A register is in bits 15..0, a bit in bit 0; the other bits read 0 and are ignored when written.  Address bits 1..0 mean nothing.
-// SLVERR: no such item, and nothing is written, and what was read means nothing; or a write of half a register (one of
+// SLVERR: no such item, which reads 0; or a write of half a register (one of
 // strobes 1..0), for the memory knows whole ones only: use stores of 16 or 32 bits.  Of a bit only strobe 0 counts.  A write
 // without any of the strobes that count is OKAY and does nothing.
 //
@@ -99,12 +99,12 @@ module modbus_axil_slave #(
 
     if (state_q == ST_LOOK) begin
       bad_q <= half;
-      if (!write_q) data_q <= {15'd0, hold_q};
+      if (!write_q) data_q <= {15'd0, hold_q & own};     // 0 unless the memory has something
       if (own && write_q && !none) hold_q <= s_axil_wdata[0];
     end
     if (state_q == ST_ACCESS && ends) begin
       bad_q <= host_err_i;
-      if (!write_q) data_q <= host_dat_i;
+      if (!write_q && host_ack_i) data_q <= host_dat_i;
     end
 
     if (accept && write_q)  berr_q <= bad_q;

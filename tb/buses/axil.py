@@ -58,11 +58,6 @@ def watch(dut, prefix, faults, driven=tuple(PAYLOAD)):
         cocotb.start_soon(channel(name))
 
 
-def master(dut, prefix="s_axil"):
-    """cocotbext-axi's master on a slave port of `dut`."""
-    return AxiLiteMaster(AxiLiteBus.from_prefix(dut, prefix), dut.clk_i)
-
-
 def channels(bus):
     """The five channels of a model."""
     write, read = bus.write_if, bus.read_if
@@ -86,6 +81,41 @@ async def hesitate(bus, dut, rng, odds, begin=None, end=None):
                 channel.pause = False
     for channel in channels(bus):
         channel.pause = False
+
+
+class Cpu:
+    """cocotbext-axi's master as a CPU that knows the map of docs/buses.md."""
+
+    def __init__(self, dut, prefix="s_axil"):
+        self.dut, self.faults = dut, []
+        self.bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, prefix), dut.clk_i)
+        watch(dut, prefix, self.faults, driven=("b", "r"))
+
+    async def write(self, space, item, value, size=WORD):
+        """A store of `size` bytes; True if it was OKAY."""
+        done = await self.bus.write(place(space, item), value.to_bytes(size, "little"))
+        return done.resp == AxiResp.OKAY
+
+    async def read(self, space, item):
+        """The word, or None for an error."""
+        done = await self.bus.read(place(space, item), WORD)
+        return int.from_bytes(done.data, "little") if done.resp == AxiResp.OKAY else None
+
+    async def block(self, *accesses):
+        """(space, item[, value to write]) each, one after the other; as Host.block, but not in one piece."""
+        return [await self.read(*a) if len(a) == 2 else (a[2] if await self.write(*a) else None) for a in accesses]
+
+    async def hold(self, on):
+        """Set the HOLD word."""
+        done = await self.bus.write(HOLD, int(on).to_bytes(WORD, "little"))
+        assert done.resp == AxiResp.OKAY
+
+    async def raw(self, address, data, strobes):
+        """One write with any strobes; its response."""
+        write = self.bus.write_if
+        await write.aw_channel.send(write.aw_channel._transaction_obj(awaddr=address, awprot=0))
+        await write.w_channel.send(write.w_channel._transaction_obj(wdata=data, wstrb=strobes))
+        return AxiResp(int((await write.b_channel.recv()).bresp))
 
 
 class AxilMemory:
