@@ -34,7 +34,7 @@ class BusError(Exception):
 
 
 def watch(dut, prefix, faults, driven=tuple(PAYLOAD)):
-    """Judges the channels `driven`, each clock: valid stays until ready, and so does what it says. Faults are appended."""
+    """Judges the channels `driven`: valid stays until ready, and so does what it says. Faults are appended."""
 
     def signal(name):
         return getattr(dut, f"{prefix}_{name}")

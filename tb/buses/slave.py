@@ -93,7 +93,7 @@ async def line_and_cpu_share_the_tables(dut):
 
 @cocotb.test()
 async def random_accesses(dut):
-    """Random accesses, one in eight outside the tables, with pauses on all channels; half of the time both directions at once."""
+    """One in eight outside the tables, pauses on all channels, half of the time both directions at once."""
     tb = await bench(dut)
     image, done = {}, []
     if AXIL:
@@ -114,7 +114,7 @@ async def random_accesses(dut):
         else:
             await check(tb, image, accesses)
     done.append(True)
-    tb.touched |= {key for key in image}
+    tb.touched |= set(image)
     for key, value in image.items():
         tb.slave.memory[key] = value
     await tb.clocks(2)

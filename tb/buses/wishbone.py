@@ -2,10 +2,9 @@
 # Copyright (c) 2026 the project contributors
 """Wishbone around a device: cocotbext-wishbone's master and slave, with a memory behind the slave.
 
-The models run as they come with cocotb 2.1.0; the ports' names go in by `signals_dict`. The slave takes data, replies and
-waits from generators that it asks when a strobe arrives: ours look at the bus, and so it has a memory.
-It knows no end of a wait before its reply: a number of clocks that does not count down while it is held (`Held`) makes it
-fall silent.
+The models run as they come with cocotb 2.1.0; the ports' names go in by `signals_dict`. The slave takes data, replies
+and waits from generators that it asks when a strobe arrives: ours look at the bus, and so it has a memory. A number of
+clocks that does not count down while it is held (`Held`) makes it fall silent.
 """
 
 from cocotb.triggers import RisingEdge
