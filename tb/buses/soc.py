@@ -20,7 +20,7 @@ H = Space.HOLDINGS
 
 
 class Soc:
-    """Bench and CPU; `hammer` starts CPU tasks that never pause between the end of a request and the start of its answer.
+    """Bench and CPU; `hammer` starts CPU tasks that never pause from the end of a request to the start of its answer.
 
     Else, where nothing of the line is on the bus, they would only cost time. `rest` ends them.
     """
