@@ -14,6 +14,7 @@ from buses.wishbone import WishboneMemory
 
 AXIL = bool(PARAMETERS.get("AXIL", 1))
 OWN = 17
+LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for ever
 COIL, REGISTER = 30, 40
 STALL_BITS = 40
 PLACES = {space: PARAMETERS.get(f"{space.name[:-1]}_AT", at) for space, at in AT.items()}
@@ -107,7 +108,7 @@ async def fails(tb, pdu, code=EX.FAILURE):
     return answer
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 @cocotb.parametrize(odds=[0, 0.5])
 async def random_waits(dut, odds):
     """Every function, in one burst each; coils are data bit 0 whatever the other bits are."""
@@ -122,7 +123,7 @@ async def random_waits(dut, odds):
     await tb.finish()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def tables_end_where_they_end(dut):
     """02 outside the tables, and nothing on the bus."""
     tb = await bench(dut)
@@ -144,7 +145,7 @@ async def tables_end_where_they_end(dut):
     await tb.finish()
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 async def file_records(dut):
     """The bridge makes an address of file and record; on Wishbone the file number is beside the address."""
     tb = await bench(dut)
@@ -157,7 +158,7 @@ async def file_records(dut):
     await tb.finish()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def errors_are_exception_04(dut):
     """Any error at any transfer ends the request with 04; the line goes on."""
     tb = await bench(dut)
@@ -174,7 +175,7 @@ async def errors_are_exception_04(dut):
     await ask(tb, *requests()[-1])
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def errors_at_random(dut):
     """Errors in a fifth of the requests, waits everywhere: 04 or what the model says."""
     tb = await bench(dut)
@@ -190,7 +191,7 @@ async def errors_at_random(dut):
             await ask(tb, pdu, transfers)
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def dead_bus(dut):
     """A transfer that is not answered: 04 after the stall limit, on AXI then 04 at once until the bus is back, and then
     everything as if nothing had been; the late answer is no answer to anything."""
@@ -221,7 +222,7 @@ async def dead_bus(dut):
     await tb.finish()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def late_answer_meets_the_next_request(dut):
     """The bus comes back at any moment of the next request: it gets 04 or its own data, never the late ones."""
     tb = await bench(dut, stall_limit=STALL_BITS)
@@ -249,7 +250,7 @@ async def _recover(tb, line, clocks):
     tb.bus.recover()
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 @cocotb.parametrize(stuck=["aw", "w", "aw w", "ar", "b", "r"])
 async def stuck_channel(dut, stuck):
     """A channel that is never ready or never valid: 04, valid stands until it is taken, and then all is well again."""
@@ -279,7 +280,7 @@ async def stuck_channel(dut, stuck):
     await tb.finish()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def dead_bus_in_a_broadcast(dut):
     """Silence, and the next request is answered."""
     tb = await bench(dut, stall_limit=STALL_BITS)
@@ -306,7 +307,7 @@ TRANSFER_CLOCKS = {True: (5, 4), False: (3, 2)}  # (register, bit)
 OVERHEAD_CLOCKS = 50  # between the two halves of 17H
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def bursts_take_their_time(dut):
     tb = await bench(dut)
     for name, (pdu, transfers) in BURSTS.items():

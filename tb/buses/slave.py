@@ -14,6 +14,7 @@ from buses.wishbone import Host
 
 AXIL = TOP == "axil_slave_bench"
 OWN = 17
+LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for ever
 WORDS = 20
 
 
@@ -48,7 +49,7 @@ async def end(tb):
     assert not getattr(tb.cpu, "faults", None), tb.cpu.faults
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def every_table_ends_where_it_ends(dut):
     tb = await bench(dut)
     for space, (base, count) in spaces(tb).items():
@@ -68,7 +69,7 @@ async def every_table_ends_where_it_ends(dut):
     await end(tb)
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def line_and_cpu_share_the_tables(dut):
     """What one writes the other reads, in every table."""
     tb = await bench(dut)
@@ -91,7 +92,7 @@ async def line_and_cpu_share_the_tables(dut):
     await end(tb)
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def random_accesses(dut):
     """One in eight outside the tables, pauses on all channels, half of the time both directions at once."""
     tb = await bench(dut)
@@ -135,7 +136,7 @@ async def check(tb, image, accesses):
         assert got == wanted, f"{space.name} {item} {value}: expected {wanted}, seen {got}"
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 async def strobes(dut):
     """All sixteen, on a register, a coil, an item that does not exist and HOLD; upper halves mean nothing."""
     tb = await bench(dut)
@@ -166,7 +167,7 @@ async def strobes(dut):
     await end(tb)
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 @cocotb.parametrize(first=["aw", "w"])
 async def address_and_data_in_any_order(dut, first):
     """One of them comes long before the other; reads go on meanwhile."""
@@ -186,7 +187,7 @@ async def address_and_data_in_any_order(dut, first):
     await end(tb)
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 async def a_response_that_nobody_takes_holds_up_its_direction_only(dut):
     tb = await bench(dut)
     write, read = tb.cpu.bus.write_if, tb.cpu.bus.read_if
@@ -204,11 +205,25 @@ async def a_response_that_nobody_takes_holds_up_its_direction_only(dut):
     assert not task.done()
     read.r_channel.pause = False
     assert await task in (0x77, *range(4))
-    await tb.cpu.write(Space.HOLDINGS, 1, 0)
+    # Several on their way: each gets its own answer.
+    values = [0x1010 * n for n in range(4)]
+    for paused in (write.b_channel, read.r_channel, None):
+        if paused:
+            paused.pause = True
+        else:
+            values = [0] * 4
+        writes = [cocotb.start_soon(tb.cpu.write(Space.HOLDINGS, n, v)) for n, v in enumerate(values)]
+        writes.append(cocotb.start_soon(tb.cpu.write(Space.HOLDINGS, 0xFFFF, 0)))
+        reads = [cocotb.start_soon(tb.cpu.read(Space.INPUTS, n)) for n in (0xFFFF, 5, 0xFFFF, 6)]
+        await tb.clocks(60)
+        write.b_channel.pause = read.r_channel.pause = False
+        assert [await w for w in writes] == [True] * 4 + [False]
+        assert [await r for r in reads] == [None, 0, None, 0]
+        assert await tb.cpu.block(*((Space.HOLDINGS, n) for n in range(4))) == values
     await end(tb)
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def blocks_are_never_torn(dut):
     """The line rewrites a block again and again; read under HOLD, or under one cyc, it is always one whole block."""
     tb = await bench(dut)
@@ -234,7 +249,7 @@ async def blocks_are_never_torn(dut):
     await end(tb)
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 async def hold_that_stays_is_the_stall_limits_business(dut):
     """06 while the CPU holds the memory, then all is well; rst_i lets go of it."""
     tb = await bench(dut, stall_limit=40)
@@ -252,7 +267,7 @@ async def hold_that_stays_is_the_stall_limits_business(dut):
     await end(tb)
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def time_of_an_access(dut):
     """Clocks of an access to a memory that is free: the figures of docs/buses.md."""
     tb = await bench(dut)

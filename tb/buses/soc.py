@@ -14,6 +14,7 @@ from buses.wishbone import Host
 
 AXIL = TOP == "modbus_example_soc_axil"
 OWN = 17
+LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for ever
 WORDS = 128
 BLOCK = 10
 H = Space.HOLDINGS
@@ -82,7 +83,7 @@ def words_of(answer):
     return frames.unpack_words(answer[2:])
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def both_masters_see_the_same(dut):
     soc = await Soc.start(dut)
     values = [soc.rng.getrandbits(16) for _ in range(5)]
@@ -106,7 +107,7 @@ async def both_masters_see_the_same(dut):
     await soc.rest()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 @cocotb.parametrize(odds=[0.0, 0.3])
 async def read_write_is_one_piece(dut, odds):
     """17H writes a block and reads it back, while the CPU writes the same registers: the master reads what it wrote."""
@@ -128,7 +129,7 @@ async def read_write_is_one_piece(dut, odds):
     await soc.rest()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def mask_write_loses_nothing(dut):
     """16H changes the upper byte of a register whose lower byte the CPU counts up: no count is ever undone."""
     soc = await Soc.start(dut)
@@ -150,7 +151,7 @@ async def mask_write_loses_nothing(dut):
     await soc.rest()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def long_reads_are_snapshots(dut):
     """The CPU writes registers from the last to the first; a read from first to last sees at most one step."""
     soc = await Soc.start(dut, 0.2)
@@ -172,7 +173,7 @@ async def long_reads_are_snapshots(dut):
     await soc.rest()
 
 
-@cocotb.test(skip=AXIL)
+@cocotb.test(skip=AXIL, **LIMIT)
 async def cpu_blocks_are_one_piece(dut):
     """What the CPU does under one cyc the line does not break."""
     soc = await Soc.start(dut)
@@ -191,7 +192,7 @@ async def cpu_blocks_are_one_piece(dut):
     await soc.rest()
 
 
-@cocotb.test(skip=AXIL)
+@cocotb.test(skip=AXIL, **LIMIT)
 async def cpu_that_never_lets_go(dut):
     """04 after the stall limit, and when the CPU lets go the line goes on."""
     soc = await Soc.start(dut, stall_limit=40)
@@ -203,7 +204,7 @@ async def cpu_that_never_lets_go(dut):
     await soc.rest()
 
 
-@cocotb.test(skip=not AXIL)
+@cocotb.test(skip=not AXIL, **LIMIT)
 async def cpu_that_takes_no_response(dut):
     """A CPU whose RREADY or BREADY never comes hangs the bus: 04 at the stall limit and at once; then all is well."""
     soc = await Soc.start(dut, stall_limit=40)
@@ -227,7 +228,7 @@ async def cpu_that_takes_no_response(dut):
     await soc.rest()
 
 
-@cocotb.test()
+@cocotb.test(**LIMIT)
 async def cpu_waits_for_one_request_at_most(dut):
     """The longest 17H: the CPU's access that meets it takes as long as the burst, the figure of docs/buses.md."""
     soc = await Soc.start(dut)
