@@ -643,7 +643,7 @@ MISTAKES = [
         "soc_wishbone_burst_broken",
         "modbus_example_soc_wb.v",
         "(line_q | ~cpu_cyc_i)",
-        "(~line_q | ~cpu_cyc_i) & ~(line_q & wb_ack)",
+        "((line_q & ~wb_ack) | ~cpu_cyc_i)",
     ),
     Mistake("soc_wishbone_cpu_cycle_broken", "modbus_example_soc_wb.v", "wb_cyc & (line_q | ~cpu_cyc_i)", "wb_cyc"),
     Mistake(
