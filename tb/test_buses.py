@@ -26,6 +26,7 @@ SCATTERED = {
 SUITES = {
     "axil_master": (MASTER, {**MAPPED, "AXIL": 1}, "master", None),
     "axil_master_scattered": (MASTER, {**SCATTERED, "AXIL": 1}, "master", "waits/odds=0.3|files|tables"),
+    "axil_master_unguarded": (MASTER, {**MAPPED, "AXIL": 1, "GUARD": 0}, "master", "waits/odds=0.5|tables"),
     "wishbone_master": (MASTER, {**MAPPED, "AXIL": 0}, "master", None),
     "axil_slave": (SLAVE, MAPPED, "slave", None),
     "wishbone_host": ("modbus_rtu_slave", MAPPED, "slave", None),

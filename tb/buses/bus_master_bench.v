@@ -7,6 +7,7 @@
 
 module bus_master_bench #(
   parameter integer AXIL = 1,                    // 0: Wishbone
+  parameter integer GUARD = 1,                   // 0: the grant question is answered outside the bridge
   parameter integer T15_MIN_US = 0,
   parameter integer T35_MIN_US = 0,
   parameter [31:0]  COIL_AT     = 32'h00000000,
@@ -118,6 +119,24 @@ module bus_master_bench #(
     .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .alive_o(), .rx_active_o()
   );
 
+  // Where the bridge has no guard, and on Wishbone
+  wire       guard_ack, bridge_ack;
+  wire [3:0] guard_exception, bridge_exception;
+
+  modbus_bank_guard #(
+    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
+    .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
+    .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
+    .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS)
+  ) u_guard (
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0), .req_i(grant_req),
+    .space_i(grant_space), .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file),
+    .ack_o(guard_ack), .exception_o(guard_exception)
+  );
+
+  assign grant_ack = (AXIL != 0 && GUARD != 0) ? bridge_ack : guard_ack;
+  assign exception = (AXIL != 0 && GUARD != 0) ? bridge_exception : guard_exception & {4{guard_ack}};
+
   generate
     if (AXIL != 0) begin : gen_axil
       modbus_axil_master #(
@@ -125,11 +144,12 @@ module bus_master_bench #(
         .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
         .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
         .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-        .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS)
+        .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS), .GUARD(GUARD)
       ) u_bridge (
         .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .grant_req_i(grant_req),
         .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
-        .grant_write_i(grant_write), .grant_file_i(grant_file), .grant_ack_o(grant_ack), .exception_o(exception),
+        .grant_write_i(grant_write), .grant_file_i(grant_file), .grant_ack_o(bridge_ack),
+        .exception_o(bridge_exception),
         .wb_cyc_i(wb_cyc_o), .wb_stb_i(wb_stb_o), .wb_we_i(wb_we_o), .wb_adr_i(wb_adr_o), .wb_dat_i(wb_dat_o),
         .wb_dat_o(wb_read), .wb_ack_o(wb_ack), .wb_err_o(wb_err), .burst_o(burst_o), .hung_o(hung_o),
         .m_axil_awaddr(m_axil_awaddr), .m_axil_awprot(m_axil_awprot), .m_axil_awvalid(m_axil_awvalid),
@@ -141,25 +161,13 @@ module bus_master_bench #(
         .m_axil_rready(m_axil_rready)
       );
     end else begin : gen_wishbone
-      wire [3:0] verdict;
-
-      modbus_bank_guard #(
-        .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
-        .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
-        .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-        .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS)
-      ) u_guard (
-        .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0), .req_i(grant_req),
-        .space_i(grant_space), .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file),
-        .ack_o(grant_ack), .exception_o(verdict)
-      );
-
-      assign exception = verdict & {4{grant_ack}};
       assign wb_read = wb_dat_i;
       assign wb_ack  = wb_ack_i;
       assign wb_err  = wb_err_i;
       assign burst_o = wb_cyc_o;
       assign hung_o  = 1'b0;
+      assign bridge_ack       = 1'b0;
+      assign bridge_exception = 4'd0;
       assign m_axil_awvalid = 1'b0;
       assign m_axil_wvalid  = 1'b0;
       assign m_axil_arvalid = 1'b0;

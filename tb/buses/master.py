@@ -164,7 +164,7 @@ async def errors_are_exception_04(dut):
     tb = await bench(dut)
     tb.bus.hesitate(0.3)
     for number, (pdu, transfers) in enumerate(requests()):
-        for at in sorted({0, transfers // 2, transfers - 1}):
+        for at in sorted({0, transfers // 2, transfers - 1} if transfers < 5 else {0, transfers - 1}):
             for kind in tb.bus.errs if at == 0 else tb.bus.errs[number % len(tb.bus.errs) :][:1]:
                 tb.bus.begin(errors={at: kind})
                 await fails(tb, pdu)
@@ -180,7 +180,7 @@ async def errors_at_random(dut):
     """Errors in a fifth of the requests, waits everywhere: 04 or what the model says."""
     tb = await bench(dut)
     tb.bus.hesitate(0.4)
-    for _ in range(20):
+    for _ in range(12):
         pdu, transfers = tb.rng.choice(requests())
         at = tb.rng.randrange(5 * transfers)
         tb.bus.begin(errors={at: tb.rng.choice(tb.bus.errs)}, wait=lambda: tb.rng.choice((0, 0, 3)))
@@ -196,7 +196,7 @@ async def dead_bus(dut):
     """A transfer that is not answered: 04 after the stall limit, on AXI then 04 at once until the bus is back, and then
     everything as if nothing had been; the late answer is no answer to anything."""
     tb = await bench(dut, stall_limit=STALL_BITS)
-    for number, (pdu, transfers) in enumerate(requests()):
+    for number, (pdu, transfers) in enumerate(requests()[0 if AXIL else 1 :: 1 if AXIL else 2]):
         for at in sorted({0, transfers - 1} if number % 3 == 0 else {number % transfers}):
             tb.bus.begin(silent=at)
             answer = await fails(tb, pdu)
