@@ -2,6 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """The core as a master of a bus that waits, errs and dies; the same tests on AXI4-Lite and on Wishbone."""
 
+import os
+
 import cocotb
 from cocotb.triggers import RisingEdge, Timer
 from cocotb.utils import get_sim_time
@@ -14,6 +16,7 @@ from buses.wishbone import WishboneMemory
 
 AXIL = bool(PARAMETERS.get("AXIL", 1))
 OWN = 17
+SEED = int(os.environ.get("BENCH_SEED", "1"))
 LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for ever
 COIL, REGISTER = 30, 40
 STALL_BITS = 40
@@ -46,7 +49,7 @@ async def bench(dut, **setup):
         getattr(dut, port).value = 0
     for port in ("awready", "wready", "bresp", "bvalid", "arready", "rdata", "rresp", "rvalid"):
         getattr(dut, f"m_axil_{port}").value = 0
-    tb = await Bench.start(dut, **setup)
+    tb = await Bench.start(dut, SEED, **setup)
     tb.bus = (AxilMemory if AXIL else WishboneMemory)(dut, tb.rng, PLACES)
     tb.bus.noise = 0xA5C3
     for space in list(Space)[:4]:

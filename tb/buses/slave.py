@@ -2,6 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """A CPU at the tables of the RAM bank, by modbus_axil_slave or at the Wishbone host side, beside the line."""
 
+import os
+
 import cocotb
 from cocotb.triggers import Combine, RisingEdge, Timer
 from cocotbext.axi import AxiResp
@@ -14,6 +16,7 @@ from buses.wishbone import Host
 
 AXIL = TOP == "axil_slave_bench"
 OWN = 17
+SEED = int(os.environ.get("BENCH_SEED", "1"))
 LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for ever
 WORDS = 20
 
@@ -23,7 +26,7 @@ async def bench(dut, **setup):
     if AXIL:
         for port in ("awvalid", "wvalid", "arvalid", "bready", "rready"):
             getattr(dut, f"s_axil_{port}").value = 0
-    tb = await Bench.start(dut, **setup)
+    tb = await Bench.start(dut, SEED, **setup)
     tb.cpu = Cpu(dut) if AXIL else Host(dut, "host")
     return tb
 

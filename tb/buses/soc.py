@@ -2,6 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """The example SoCs: one bus, the Modbus core and a CPU on it that never rests."""
 
+import os
+
 import cocotb
 from cocotb.triggers import Event, RisingEdge, Timer, with_timeout
 from cocotb.utils import get_sim_time
@@ -14,6 +16,7 @@ from buses.wishbone import Host
 
 AXIL = TOP == "modbus_example_soc_axil"
 OWN = 17
+SEED = int(os.environ.get("BENCH_SEED", "1"))
 LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for ever
 WORDS = 128
 BLOCK = 10
@@ -39,7 +42,7 @@ class Soc:
             for port in ("cyc", "stb", "we", "adr", "dat"):
                 getattr(dut, f"cpu_{port}_i").value = 0
         self.dut, self.stop, self.tasks, self.awake = dut, [], [], Event()
-        self.tb = await Bench.start(dut, **{"stall_limit": 200, **setup})
+        self.tb = await Bench.start(dut, SEED, **{"stall_limit": 200, **setup})
         self.rng = self.tb.rng
         self.cpu = Cpu(dut) if AXIL else Host(dut, "cpu")
         if AXIL and odds:
