@@ -24,3 +24,8 @@ rtl/modbus_rtu_slave_io.v
 rtl/modbus_example_user.v
 rtl/modbus_pdm_record.v
 rtl/modbus_pdm_meter.v
+rtl/modbus_axil_master.v
+rtl/modbus_axil_slave.v
+rtl/modbus_example_ram.v
+rtl/modbus_example_soc_wb.v
+rtl/modbus_example_soc_axil.v

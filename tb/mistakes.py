@@ -579,11 +579,91 @@ MISTAKES = [
         "assign user_put  = do_offer & user_put_i & ~full;",
         "assign user_put  = user_put_i & ~full;",
     ),
+    Mistake(
+        "axil_valid_falls_with_the_core",
+        "modbus_axil_master.v",
+        "(ar_q & ~m_axil_arready)",
+        "(ar_q & ~m_axil_arready & stb)",
+    ),
+    Mistake(
+        "axil_next_transfer_on_top_of_a_stale_one",
+        "modbus_axil_master.v",
+        "wire begins = stb & ~busy_q;",
+        "wire begins = stb & ~(busy_q & ~stale_q);",
+    ),
+    Mistake(
+        "axil_late_answer_taken_for_the_next",
+        "modbus_axil_master.v",
+        "stale_q <= busy_q & ~ends & (stale_q | ~stb);",
+        "stale_q <= 1'b0;",
+    ),
+    Mistake(
+        "axil_decerr_not_noticed",
+        "modbus_axil_master.v",
+        "write_q ? m_axil_bresp[1] : m_axil_rresp[1]",
+        "write_q ? (m_axil_bresp == 2'b10) : (m_axil_rresp == 2'b10)",
+    ),
+    Mistake("axil_other_bits_of_a_coil", "modbus_axil_master.v", "wb_dat_i[15:1] & {15{~bits}}", "wb_dat_i[15:1]"),
+    Mistake("axil_files_on_top_of_each_other", "modbus_axil_master.v", "file * FILE_RECORDS[15:0]", "file"),
+    Mistake(
+        "axil_hung_bus_waits_again",
+        "modbus_axil_master.v",
+        "stb & (stale_q | (ends & bad))",
+        "stb & ends & bad & ~stale_q",
+    ),
+    Mistake("axil_half_of_a_word", "modbus_axil_master.v", "m_axil_wstrb   = 4'b1111", "m_axil_wstrb   = 4'b0011"),
+    Mistake(
+        "axil_verdict_with_an_error",
+        "modbus_axil_master.v",
+        "exception & {4{grant_ack}}",
+        "exception | {3'd0, ~grant_ack}",
+    ),
+    Mistake("cpu_half_a_register", "modbus_axil_slave.v", "half  = write_q & (", "half  = 1'b0 & ("),
+    Mistake("cpu_hold_does_not_hold", "modbus_axil_slave.v", "host_stb_o | hold_q", "host_stb_o"),
+    Mistake(
+        "cpu_read_over_an_answer_not_taken",
+        "modbus_axil_slave.v",
+        "s_axil_arvalid & ~rvalid_q;",
+        "s_axil_arvalid;",
+    ),
+    Mistake(
+        "cpu_address_without_data",
+        "modbus_axil_slave.v",
+        "s_axil_awvalid & s_axil_wvalid & ~bvalid_q",
+        "s_axil_awvalid & ~bvalid_q",
+    ),
+    Mistake("cpu_error_not_told", "modbus_axil_slave.v", "bad_q <= host_err_i;", "bad_q <= 1'b0;"),
+    Mistake(
+        "cpu_response_falls",
+        "modbus_axil_slave.v",
+        "(rvalid_q & ~s_axil_rready)",
+        "(rvalid_q & s_axil_rready & 1'b0)",
+    ),
+    Mistake(
+        "soc_wishbone_burst_broken",
+        "modbus_example_soc_wb.v",
+        "(line_q | ~cpu_cyc_i)",
+        "((line_q & ~wb_ack) | ~cpu_cyc_i)",
+    ),
+    Mistake("soc_wishbone_cpu_cycle_broken", "modbus_example_soc_wb.v", "wb_cyc & (line_q | ~cpu_cyc_i)", "wb_cyc"),
+    Mistake(
+        "soc_axil_burst_not_looked_at",
+        "modbus_example_soc_axil.v",
+        "(s_axil_awvalid | s_axil_arvalid) & ~burst",
+        "(s_axil_awvalid | s_axil_arvalid)",
+    ),
+    Mistake(
+        "soc_axil_burst_of_one_beat",
+        "modbus_axil_master.v",
+        "assign burst_o = wb_cyc_i;",
+        "assign burst_o = stb;",
+    ),
 ]
 
 # What is tried, in this order; the quickest that notices most comes first:
-# (suite of test_modules.py or test_system.py, regular expression of its cocotb tests), or the compiled slave and how
-# many requests of random traffic it gets. A module alone is left out when the mistake is in none of its files.
+# (suite of test_modules.py, test_system.py or test_buses.py, regular expression of its cocotb tests), or the compiled
+# slave and how many requests of random traffic it gets. A module alone is left out when the mistake is in none of its
+# files.
 COMPILED = "random traffic"
 MODULES_ALONE = {
     "crc16": ("modbus_crc16.v",),
@@ -591,6 +671,13 @@ MODULES_ALONE = {
     "line_timer_characters": ("modbus_line_timer.v",),
     "frame_rx": ("modbus_frame_rx.v",),
     "bank_guard": ("modbus_bank_guard.v",),
+}
+# Suites of test_buses.py, and the files that they alone are about.
+BUSES = {
+    "axil_master": ("modbus_axil_master.v",),
+    "axil_slave": ("modbus_axil_slave.v",),
+    "soc_axil": ("modbus_axil_master.v", "modbus_example_soc_axil.v"),
+    "soc_wishbone": ("modbus_example_soc_wb.v",),
 }
 SELECTION = [
     *((suite, None) for suite in MODULES_ALONE),
@@ -614,6 +701,7 @@ SELECTION = [
     ("diagnostics_counters", None),
     ("diagnostics_modes", None),
     ("files", None),
+    *((suite, None) for suite in BUSES),
 ]
 
 
@@ -631,6 +719,13 @@ def planted(mistake, folder):
     path.write_text(text.replace(mistake.old, mistake.new), encoding="utf-8")
 
 
+def concerns(suite, file):
+    """True if a suite can notice a mistake in this file."""
+    if suite in BUSES or any(file in files for files in BUSES.values()):
+        return file in BUSES.get(suite, ())
+    return file in MODULES_ALONE.get(suite, (file,))
+
+
 def judge(touched):
     """In a process whose RTL= names the copy: run the selection until a test fails; print what failed.
 
@@ -640,7 +735,7 @@ def judge(touched):
     os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
     failed = []
     for number, (suite, part) in enumerate(SELECTION):
-        if touched and touched not in MODULES_ALONE.get(suite, (touched,)):
+        if touched and not concerns(suite, touched):
             continue
         failed = compiled(part) if suite == COMPILED else simulated(suite, part, number)
         if failed:
@@ -650,6 +745,7 @@ def judge(touched):
 
 def simulated(suite, only, number):
     """Failed tests of a suite."""
+    import test_buses
     import test_modules
     import test_system
     from mbrtu.runner import run
@@ -657,6 +753,9 @@ def simulated(suite, only, number):
     if suite in test_modules.MODULES:
         top, parameters, module = test_modules.MODULES[suite]
         module = f"modules.{module}"
+    elif suite in test_buses.SUITES:
+        top, parameters, module, only = test_buses.SUITES[suite]
+        module = f"buses.{module}"
     else:
         top, parameters, module, whole = test_system.SUITES[suite]
         module, only = f"system.{module}", only or whole

@@ -49,6 +49,7 @@ LEGAL = [
     (CORE, {"DEVICE_ID_LIMIT": 9 + len("PRODUCT")}),
     (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80\0\x81\1a\xff\2bc")}),
     (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80" + bytes([LONGEST_OBJECT]) + b"a" * LONGEST_OBJECT)}),
+    ("modbus_axil_master", {"HOLDING_AT": 0x1004, "GUARD": 0, "COIL_BASE": 65535, "COIL_COUNT": 2}),
     # what does not exist is not judged
     (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS]), "CONFORMITY": 0}),
 ]
@@ -104,6 +105,9 @@ ILLEGAL = [
         )
     ),
     (CORE, config_parameters({"objects": dict.fromkeys((*range(7), 0x80, 0x81), b"a" * LONGEST_OBJECT)})),
+    ("modbus_axil_master", {"HOLDING_AT": 0x1002}),
+    ("modbus_axil_master", {"COIL_BASE": 65535, "COIL_COUNT": 2}),
+    ("modbus_example_ram", {"WORDS": 65537}),
 ]
 
 

@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TB = ROOT / "tb"
 PRODUCTS = Path(os.environ.get("BENCH_BUILD", ROOT / "build" / "tb"))
 RTL = Path(os.environ.get("RTL", ROOT / "rtl"))
-EXTRA_SOURCES = [TB / "modules"]  # benches in Verilog that put two modules together
+EXTRA_SOURCES = [TB / "modules", TB / "buses"]  # benches in Verilog that put two modules together
 VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
 
 

@@ -64,6 +64,15 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
         {"OVERLAY": "1", "HOLDING_COUNT": "65536"},
     ],
     "modbus_rtu_slave_io": DROP_IN_SETS,
+    "modbus_axil_master": [
+        {},
+        {"GUARD": "0"},
+        {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
+        {"COIL_AT": "32'h40000004", "HOLDING_AT": "32'hFFFF8000", "FILE_AT": "32'h12345678"},
+        FULL_TABLES,
+    ],
+    "modbus_axil_slave": [{}, {"HOLD": "0"}],
+    "modbus_example_ram": [{}, {"WORDS": "2"}, {"WORDS": "1000"}],
     "modbus_pdm_record": [{}, {"DEPTH": "4"}, {"DEPTH": "1024"}],
     "modbus_pdm_meter": [
         {},

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_example_soc_wb - a SoC whose Wishbone bus has two masters, the Modbus core and a CPU: a pattern to copy.
+//
+// The core's own Wishbone port is the master.  Its grant question is answered by modbus_bank_guard, which knows the map.
+// The cpu_* port stands for the CPU; modbus_example_ram for everything on the bus.
+//
+// The arbiter is one flip-flop: whoever has the bus keeps it while his cyc is up.  So all that a request does on the bus is one
+// piece for the CPU, and what the CPU does under one cpu_cyc_i is one piece for the line.  A CPU whose cyc never falls starves the
+// line until the stall limit; one that lets it fall between its accesses waits for one request at most.
+
+`default_nettype none
+
+module modbus_example_soc_wb #(
+  parameter integer CLK_HZ     = 50000000,       // clk_i in hertz
+  parameter integer T15_MIN_US = 750,            // floor of t1.5 in microseconds
+  parameter integer T35_MIN_US = 1750,           // floor of t3.5 in microseconds
+  parameter integer WORDS      = 128             // holding registers, and as many input registers
+) (
+  input  wire        clk_i,
+  input  wire        rst_i,                      // synchronous, active high
+
+  // Line
+  input  wire        rxd_i,
+  output wire        txd_o,
+  output wire        de_o,
+  input  wire [7:0]  address_i,
+  input  wire [15:0] bit_time_i,                 // clocks per bit
+  input  wire [1:0]  format_i,                   // 0 8E1, 1 8O1, 2 8N2, 3 8N1
+  input  wire [15:0] stall_limit_i,              // bit times the bus may be silent: never 0 in a SoC
+
+  // CPU: Wishbone B4 classic slave
+  input  wire        cpu_cyc_i,
+  input  wire        cpu_stb_i,
+  input  wire        cpu_we_i,
+  input  wire [18:0] cpu_adr_i,                  // {space, item}
+  input  wire [15:0] cpu_dat_i,
+  output wire [15:0] cpu_dat_o,
+  output wire        cpu_ack_o,
+  output wire        cpu_err_o,
+
+  // Board
+  input  wire [7:0]  switches_i,
+  output wire [7:0]  lamps_o
+);
+
+  // The example has no use for some outputs of the core.
+  // verilator lint_off PINCONNECTEMPTY
+
+  // Every function code but those of files
+  localparam [63:0] CODES = 64'h0000080001C399FE;
+
+  wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack, wb_err;
+  wire [2:0]  grant_space;
+  wire [3:0]  exception;
+  wire [15:0] grant_first, grant_last, grant_file, wb_write, wb_read;
+  wire [18:0] wb_adr;
+
+  modbus_rtu_core #(
+    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES)
+  ) u_modbus (
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
+    .bit_time_i(bit_time_i), .format_i(format_i), .stall_limit_i(stall_limit_i), .broadcast_en_i(1'b1),
+    .gap_count_only_i(1'b0), .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .de_lead_i(4'd1), .de_tail_i(4'd0),
+    .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
+    .grant_req_o(grant_req), .grant_space_o(grant_space), .grant_first_o(grant_first), .grant_last_o(grant_last),
+    .grant_write_o(grant_write), .grant_file_o(grant_file), .grant_ack_i(grant_ack), .exception_i(exception),
+    .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we), .wb_adr_o(wb_adr), .wb_dat_o(wb_write), .wb_dat_i(wb_read),
+    .wb_ack_i(wb_ack), .wb_err_i(wb_err),
+    .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0), .user_dat_i(8'd0),
+    .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .listen_only_o(), .diagnostic_register_o(),
+    .log_count_o(), .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(), .counter_ack_o(), .write_stb_o(),
+    .write_space_o(), .write_first_o(), .write_last_o(), .write_file_o(), .alive_o(), .rx_active_o(), .frame_stb_o(),
+    .err_parity_o(), .err_framing_o(), .err_overrun_o(), .err_crc_o(), .err_short_o(), .err_long_o(), .err_gap_o()
+  );
+
+  // What exists, for the line
+  wire [3:0] guard_exception;
+
+  modbus_bank_guard #(
+    .COIL_COUNT(8), .DISCRETE_COUNT(8), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
+  ) u_guard (
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .hold_i(1'b0), .req_i(grant_req), .space_i(grant_space),
+    .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .ack_o(grant_ack),
+    .exception_o(guard_exception)
+  );
+
+  assign exception = guard_exception & {4{grant_ack}};       // 0 beside wb_err: exception 04
+
+  // Arbiter
+  reg line_q = 1'b0;                             // the bus is the core's
+  always @(posedge clk_i) line_q <= wb_cyc & (line_q | ~cpu_cyc_i) & ~rst_i;
+
+  wire [15:0] ram_read;
+  wire        ram_ack, ram_err;
+
+  modbus_example_ram #(.WORDS(WORDS)) u_ram (
+    .clk_i(clk_i), .rst_i(rst_i),
+    .wb_cyc_i(line_q ? wb_cyc : cpu_cyc_i), .wb_stb_i(line_q ? wb_stb : cpu_stb_i), .wb_we_i(line_q ? wb_we : cpu_we_i),
+    .wb_adr_i(line_q ? wb_adr : cpu_adr_i), .wb_dat_i(line_q ? wb_write : cpu_dat_i), .wb_dat_o(ram_read),
+    .wb_ack_o(ram_ack), .wb_err_o(ram_err), .switches_i(switches_i), .lamps_o(lamps_o)
+  );
+
+  assign wb_read   = ram_read;
+  assign wb_ack    = ram_ack & line_q;
+  assign wb_err    = ram_err & line_q;
+  assign cpu_dat_o = ram_read;
+  assign cpu_ack_o = ram_ack & ~line_q;
+  assign cpu_err_o = ram_err & ~line_q;
+
+  // verilator lint_on PINCONNECTEMPTY
+
+endmodule
+
+`default_nettype wire
