@@ -123,8 +123,10 @@ module modbus_bank_ram #(
   wire [17:0]  file    = {2'd0, grant_file_i} - 18'd1;
   wire [17:0]  place   = (OVERLAY != 0 && bits) ? {6'd0, item[15:4]} : {2'd0, item};
   // verilator lint_on UNUSED
-  wire [W-1:0] skipped = file[W-1:0] * FILE_RECORDS[W-1:0];
+  reg  [W-1:0] file_shift_q;         // the file is known long before its burst
   reg  [W-1:0] shift;
+
+  always @(posedge clk_i) file_shift_q <= REGISTERS[W-1:0] + file[W-1:0] * FILE_RECORDS[W-1:0];
 
   always @* begin
     case (space)
@@ -135,7 +137,7 @@ module modbus_bank_ram #(
       default:             shift = REGISTERS[W-1:0];
     endcase
     if (OVERLAY != 0 && !space[2]) shift = {W{1'b0}};
-    if (FILE_COUNT != 0 && space[2] && !host_q) shift = REGISTERS[W-1:0] + skipped;
+    if (FILE_COUNT != 0 && space[2] && !host_q) shift = file_shift_q;
   end
 
   // ------------------------------------------------------------------ the memories
@@ -168,7 +170,7 @@ module modbus_bank_ram #(
       localparam BW = $clog2(BITS);
       localparam integer COIL_PLACE = -COIL_BASE, DISCRETE_PLACE = COIL_COUNT - DISCRETE_BASE;
       (* no_rw_check *) reg memory [0:BITS-1];
-      reg           bit_q;
+      reg           bit_q, bits_q;       // bits_q: it is one that was read
       wire [BW-1:0] at_bit = place[BW-1:0] + (space[0] ? DISCRETE_PLACE[BW-1:0] : COIL_PLACE[BW-1:0]);
       integer       k;
 
@@ -176,11 +178,12 @@ module modbus_bank_ram #(
 
       always @(posedge clk_i) begin
         if (write && bits) memory[at_bit] <= given[0];
-        bit_q <= memory[at_bit];
+        bit_q  <= memory[at_bit];
+        bits_q <= bits;
       end
 
       assign data = given;
-      assign read = bits ? {15'd0, bit_q} : word_q;
+      assign read = bits_q ? {15'd0, bit_q} : word_q;
     end
   endgenerate
 

@@ -122,6 +122,7 @@ module modbus_dispatch #(
   reg [10:0] argument;               // and its argument
   reg        active_q = 1'b0;        // there is one
   reg        fields_q = 1'b0;        // it is one that takes fields of the request
+  reg        one_q = 1'b0, two_q = 1'b0, four_q = 1'b0;   // it is one of so many clocks
   reg [1:0]  phase_q = 2'd0;         // its clock, 0 to 3
   reg        raise_q = 1'b0;         // the step before went wrong
   reg        failed_q = 1'b0;        // an exception is to be answered
@@ -202,14 +203,9 @@ module modbus_dispatch #(
 
   // ------------------------------------------------------------------ the step and the next
 
-  // A step that looks at fields or places takes four clocks, the others one or as long as it takes.
   wire set_mode = is_mode & ~(argument[0] & sending_i);
-  wire over   = ((fields_q | is_range | is_load | is_put | is_total) & fourth)
-              | ((is_if | is_match | is_count | is_log) & second)
-              | ((is_grant | is_burst | is_offer) & finished_q) | (is_walk & phase_q[0] & arrived_q)
-              | set_mode
-              | is_function | is_jump | is_end | is_space | is_set | is_point | is_context | is_literal | is_send
-              | is_rest;
+  wire over     = one_q | (two_q & second) | (four_q & fourth) | ((is_grant | is_burst | is_offer) & finished_q)
+                | (is_walk & phase_q[0] & arrived_q) | set_mode;
 
   // Whether a step of diagnostics applies
   wire refusal = failed_q & ~broadcast_q;                      // an exception is answered
@@ -243,13 +239,26 @@ module modbus_dispatch #(
   wire       is_2b = FUNCTION_CODES[43] & argument[9] & (byte_i == `MB_FC_ENCAPSULATED);
   wire [4:0] entry = fits ? byte_i[4:0] : {4'hF, ~is_2b};
 
+  // The next step decoded: by four of the five bits, the fifth clears.  So each flag is one cell, and what a step has
+  // to wait for is not gathered from the flags of all of them.
   wire idle = ~fetched_q | over | raise_q;
   reg [31:0] decoded;
-  integer k;
+  reg        fields, one, two, four;
+  integer    k;
+
   always @* begin
-    for (k = 0; k < 16; k = k + 1) decoded[k] = (step[3:0] == k[3:0]);
+    for (k = 0; k < 16; k = k + 1)  decoded[k] = (step[3:0] == k[3:0]);
     for (k = 16; k < 24; k = k + 1) decoded[k] = ({step[4], step[2:0]} == {1'b1, k[2:0]});
     for (k = 24; k < 32; k = k + 1) decoded[k] = ({step[4:3], step[1:0]} == {2'b11, k[1:0]});
+    {fields, one, two, four} = 4'd0;
+    case (step)
+      `MB_STEP_ADDRESS, `MB_STEP_QUANTITY, `MB_STEP_DEPTH, `MB_STEP_FILE, `MB_STEP_COIL,
+      `MB_STEP_BYTE_COUNT:                                                     fields = 1'b1;
+      `MB_STEP_RANGE, `MB_STEP_LOAD, `MB_STEP_PUT, `MB_STEP_TOTAL:             four = 1'b1;
+      `MB_STEP_IF, `MB_STEP_MATCH, `MB_STEP_COUNT, `MB_STEP_LOG:               two = 1'b1;
+      `MB_STEP_WALK, `MB_STEP_GRANT, `MB_STEP_BURST, `MB_STEP_OFFER, `MB_STEP_MODE: ;
+      default:                                                                 one = 1'b1;
+    endcase
   end
 
   // The next step, or another; the sum means nothing then, written so it takes one cell a bit.
@@ -262,10 +271,12 @@ module modbus_dispatch #(
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~over & ~raise_q;
     is_q      <= decoded;
-    fields_q  <= (step >= `MB_STEP_ADDRESS && step <= `MB_STEP_BYTE_COUNT)
-               | (HAS_FIFO != 0 && step == `MB_STEP_DEPTH) | (HAS_FILES != 0 && step == `MB_STEP_FILE);
+    fields_q  <= fields;
+    one_q     <= one;
+    two_q     <= two;
+    four_q    <= fields | four;
     phase_q   <= phase_q + 2'd1;
-    if (idle) fields_q <= 1'b0;
+    if (idle) {fields_q, one_q, two_q, four_q} <= 4'd0;
     if (idle || step[4]) is_q[15:0] <= 16'd0;
     if (idle || step[3]) is_q[23:16] <= 8'd0;
     if (idle || step[2]) is_q[27:24] <= 4'd0;
@@ -303,7 +314,7 @@ module modbus_dispatch #(
       fetched_q <= 1'b0;
       is_q      <= 32'd0;
       active_q  <= 1'b0;
-      fields_q  <= 1'b0;
+      {fields_q, one_q, two_q, four_q} <= 4'd0;
       raise_q   <= 1'b0;
     end
   end

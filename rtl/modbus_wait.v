@@ -22,7 +22,7 @@ module modbus_wait (
   always @(posedge clk_i) begin
     over_q <= over & ~clear_i;
     if (clear_i)                 bits_q <= 16'd0;
-    else if (bit_stb_i && !over) bits_q <= bits_q + 16'd1;
+    else if (bit_stb_i && !over_q) bits_q <= bits_q + 16'd1;
   end
 
   assign over_o = over_q;
