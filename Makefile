@@ -57,7 +57,7 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 	@$(PY) tb/mistakes.py $${T:+"$$T"}
 
 ##@ Look
-synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed on six devices; PROFILE= BANK= DEVICE= select, QUICK=1 less, FULL=1 more, OPTIONS=1 each option, CHECK=1 compares, UPDATE=1 writes the documents
+synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md
 	@$(PY) tb/tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
 	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
 

@@ -7,6 +7,7 @@
     synth.py --full                           with the place and route of the ECP5
     synth.py --profile basic --device ice40-hx8k,gowin --bank ram --quick
     synth.py --update                         everything there is, and the documents written anew
+    synth.py --documents                      only the documents, from docs/size.json
     synth.py --check                          the iCE40 HX8K against docs/size.json
     synth.py --options                        what each option costs
     synth.py --top modbus_crc16 [-P NAME=VALUE ...] [--quick]   one module, with the cells of each part
@@ -178,6 +179,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--full", action="store_true", help="also the place and route of the ECP5")
     parser.add_argument("--parts", action="store_true", help="also the cells of each module")
     parser.add_argument("--update", action="store_true", help="measure everything, write record and documents")
+    parser.add_argument("--documents", action="store_true", help="instead: write the documents from docs/size.json")
     parser.add_argument("--check", action="store_true", help="instead: compare the HX8K with docs/size.json")
     parser.add_argument("--options", action="store_true", help="instead: what each option costs")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="at a time (the processors)")
@@ -187,7 +189,7 @@ def arguments() -> argparse.Namespace:
     options.some = bool(options.profile or options.bank or options.device or options.parameter or options.tie)
     if options.update:
         options.options = False  # UPDATE=1 has them too
-    modes = [name for name in ("top", "update", "check", "options") if getattr(options, name)]
+    modes = [name for name in ("top", "update", "documents", "check", "options") if getattr(options, name)]
     if len(modes) > 1:
         raise UsageError(f"{' and '.join(modes)} do not go together")
     if options.update and (options.some or options.quick):
@@ -205,6 +207,9 @@ def main() -> int:
     """Measure what was asked for."""
     options = arguments()
     os.chdir(ROOT)
+    if options.documents:
+        report.write_documents(report.read_record())
+        return 0
     full = options.full or options.update
     quick = options.quick or options.check
     seeds = SEEDS[:1] if quick else SEEDS

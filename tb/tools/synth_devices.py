@@ -106,7 +106,7 @@ FAMILIES = {
         ram={"MISTRAL_M10K": 1},
         cells="ALUT",
         ram_block="10 kbit",
-        positions={"MISTRAL_ALUT_ARITH": 1, "MISTRAL_MLAB": 2},
+        positions={"MISTRAL_ALUT_ARITH": 1, "MISTRAL_MLAB": 1},
         shifted=False,
     ),
 }

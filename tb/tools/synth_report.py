@@ -71,7 +71,7 @@ def size_table(results: list[dict], tools: dict) -> str:
             if any(rows):
                 lines.append(f"| `{profile}` | {bank} | " + " | ".join(cell(row) for row in rows) + " |")
     shown = [profile for profile in PROFILES if any(row["profile"] == profile for row in results)]
-    lines += ["", *(f"`{profile}`: {PROFILE_NOTES[profile]}.  " for profile in shown)]
+    lines += ["", *(f"- `{profile}`: {PROFILE_NOTES[profile]}" for profile in shown)]
     seeds = tools["seeds"]
     median = f"median of seeds {', '.join(map(str, seeds))}" if len(seeds) > 1 else f"seed {seeds[0]}"
     lines += ["", f"{tools_line(tools)}; MHz after place and route, {median}. Made by `make synth`."]
@@ -91,12 +91,12 @@ def options_table(options: dict[str, dict], tools: dict) -> str:
 
 
 def parts_order(parts: dict[str, dict]) -> list[str]:
-    """Every module of the designs, the largest of the first design first; what is of no module last."""
+    """Every module of the designs, the largest in any of them first; what is of no module last."""
     modules = list(dict.fromkeys(module for its in parts.values() for module in its))
     known = [module for module in modules if " " not in module]
 
     def size(module: str) -> tuple:
-        return tuple(-its.get(module, {}).get("lc", 0) for its in parts.values()), module
+        return -max(its.get(module, {}).get("lc", 0) for its in parts.values()), module
 
     return sorted(known, key=size) + [module for module in modules if " " in module]
 
