@@ -28,7 +28,7 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tb/tools/bootstrap.sh apt demo
-$(foreach set,demo test lint formal fpga fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo test lint formal fpga ecp5 fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tb/tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
@@ -57,8 +57,9 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 	@$(PY) tb/mistakes.py $${T:+"$$T"}
 
 ##@ Look
-synth: $(call stamp,fpga)  ## size and speed on an iCE40 HX8K; OPTIONS=1 the cost of each option; UPDATE=1 writes the table
-	@$(PY) tb/tools/synth.py $${OPTIONS:+--options} $${UPDATE:+--update}
+synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md
+	@$(PY) tb/tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
+	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
 	@$(PY) tb/tools/waves.py "$${T-}"
