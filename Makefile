@@ -28,7 +28,7 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tb/tools/bootstrap.sh apt demo
-$(foreach set,demo test lint formal fpga fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo test lint formal fpga boards fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tb/tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------

