@@ -32,7 +32,7 @@ $(foreach set,demo test lint formal fpga boards fusesoc,$(call stamp,$(set))): .
 	@tb/tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
-.PHONY: help demo serve test lint formal synth waves mistakes fusesoc clean
+.PHONY: help demo serve test lint formal synth bitstream waves mistakes fusesoc clean
 
 ##@ Use
 -include sim/live.mk
@@ -59,6 +59,9 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 ##@ Look
 synth: $(call stamp,fpga)  ## size and speed on an iCE40 HX8K; OPTIONS=1 the cost of each option; UPDATE=1 writes the table
 	@$(PY) tb/tools/synth.py $${OPTIONS:+--options} $${UPDATE:+--update}
+
+bitstream: $(call stamp,boards)  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all
+	@$(PY) tb/tools/bitstream.py "$${BOARD-}"
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
 	@$(PY) tb/tools/waves.py "$${T-}"

