@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import cocotb
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles
+from cocotb.triggers import ClockCycles, Timer
 from mbrtu import frames
 from mbrtu.defs import F8E1, FC
 from mbrtu.line import Line, now
@@ -48,10 +48,17 @@ class Board:
     @classmethod
     async def start(cls, dut):
         """Clock on, nothing pressed; returns when the line has been silent for longer than t3.5."""
+        board = await cls.power_up(dut)
+        await ClockCycles(dut.clk_i, BIT_CLOCKS * F8E1.length * 5)
+        return board
+
+    @classmethod
+    async def power_up(cls, dut):
+        """The pull-ups have pulled before the first clock: without a reset an X on a pin would stay inside."""
         board = cls(dut)
         board.press()
+        await Timer(CLOCK_PS, "ps")
         Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
-        await ClockCycles(dut.clk_i, BIT_CLOCKS * F8E1.length * 5)
         return board
 
     def press(self, *numbers):
@@ -96,9 +103,7 @@ class Board:
 
 @cocotb.test()
 async def power_up_without_reset(dut):
-    board = Board(dut)
-    board.press()
-    Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
+    board = await Board.power_up(dut)
     await ClockCycles(dut.clk_i, 3)
     assert board.shining() == [], f"LEDs {board.shining()} shine"
     assert not board.lit(ALIVE), "the alive LED shines before any master has talked"
