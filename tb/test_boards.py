@@ -156,6 +156,17 @@ def test_synchroniser_constraints_name_registers_that_exist():
     assert re.findall(r"^set_false_path -to \[get_registers \{(\S+)\}\]$", sdc, re.M) == [f"*modbus_sync:*|{first}"]
 
 
+TABLE = re.compile(r"^\| `(\w+)` \| [^|]+ \| [^|]+ \| ([\d.]+) MHz \|", re.M)
+
+
+def test_page_names_every_board_and_its_clock():
+    """docs/boards.md: a row for each board; its folder has a README that names the pin file."""
+    page = (ROOT / "docs/boards.md").read_text(encoding="utf-8")
+    assert {board: float(mhz) * 1e6 for board, mhz in TABLE.findall(page)} == {b: bitstream.clock_hz(b) for b in BOARDS}
+    for board in BOARDS:
+        assert f"{board}.{SUFFIX[board]}" in (FOLDER / board / "README.md").read_text(encoding="utf-8")
+
+
 def test_vendor_projects_name_files_that_exist():
     """Relative to the file that names them; the file list of the core is read, not repeated."""
     quartus = (FOLDER / "de10_lite/de10_lite.qsf").read_text(encoding="utf-8")
