@@ -60,8 +60,8 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 synth: $(call stamp,fpga)  ## size and speed on an iCE40 HX8K; OPTIONS=1 the cost of each option; UPDATE=1 writes the table
 	@$(PY) tb/tools/synth.py $${OPTIONS:+--options} $${UPDATE:+--update}
 
-bitstream: $(call stamp,boards)  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all
-	@$(PY) tb/tools/bitstream.py "$${BOARD-}"
+bitstream: $(call stamp,boards)  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all; UPDATE=1 the table
+	@$(PY) tb/tools/bitstream.py "$${BOARD-}" $${UPDATE:+--update}
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
 	@$(PY) tb/tools/waves.py "$${T-}"

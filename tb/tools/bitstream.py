@@ -3,9 +3,9 @@
 # Copyright (c) 2026 the project contributors
 """Bitstreams of the boards that open tools can build: Yosys, nextpnr and the chip's packer.
 
-    bitstream.py icebreaker | hx8k | ulx3s | tangnano9k | all
+    bitstream.py icebreaker | hx8k | ulx3s | tangnano9k | all [--update]
 
-Writes build/bitstream/<board>.bin, .bit or .fs and prints a line with cells, Fmax and clock.  The clock
+--update puts the figures into docs/boards.md.  Writes build/bitstream/<board>.bin, .bit or .fs and prints a line with cells, Fmax and clock.  The clock
 is CLK_HZ of the board's top; a board whose Fmax misses it fails.  Exit 2: no such board.
 """
 
@@ -22,6 +22,7 @@ from typing import NamedTuple
 from common import ROOT, rtl_files
 
 OUT = Path("build/bitstream")  # relative: the YoWASP tools cannot see every absolute path
+PAGE = ROOT / "docs/boards.md"
 SEED = "1"
 LIMIT_S = 600
 SOURCE_ONLY = ("arty_a7", "de10_lite")
@@ -114,8 +115,16 @@ def run(command: list[str], log: Path) -> None:
         raise ToolError(f"{log}:\n" + "\n".join([line for line in lines if "ERROR" in line] or lines[-10:]))
 
 
-def build(name: str) -> str:
-    """Build one board; returns its line of figures.  ToolError when a tool fails or timing is missed."""
+class Figures(NamedTuple):
+    """What place and route made of a board."""
+
+    used: int
+    available: int
+    fmax_mhz: float
+
+
+def build(name: str) -> tuple[str, Figures]:
+    """Build one board; returns its line of figures, and them.  ToolError when a tool fails or timing is missed."""
     board, work = BOARDS[name], OUT / name
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     product = OUT / f"{name}.{board.suffix}"
@@ -137,10 +146,23 @@ def build(name: str) -> str:
     if speed < clock:
         raise ToolError(f"Fmax {speed:.1f} MHz is below the clock of {clock:g} MHz")
     cells = report["utilization"][board.cell]
-    return (
-        f"{name}: {board.chip}, {cells['used']} of {cells['available']} {board.cell}, "
+    figures = Figures(cells["used"], cells["available"], speed)
+    line = (
+        f"{name}: {board.chip}, {figures.used} of {figures.available} {board.cell}, "
         f"Fmax {speed:.1f} MHz at a clock of {clock:g} MHz, {product}"
     )
+    return line, figures
+
+
+def update(name: str, figures: Figures) -> None:
+    """Put a board's figures into its row of the page; ToolError when there is no such row."""
+    row = rf"^(\| `{name}` \|[^|]+\|[^|]+\|[^|]+\|)[^|]*\|[^|]*\|$"
+    cell = {"ICESTORM_LC": "logic cells", "TRELLIS_COMB": "LUT4", "LUT4": "LUT4"}[BOARDS[name].cell]
+    new = rf"\1 {figures.used} of {figures.available} {cell} | {figures.fmax_mhz:.0f} MHz |"
+    text, count = re.subn(row, new, PAGE.read_text(), flags=re.M)
+    if count != 1:
+        raise ToolError(f"{PAGE.name} has no row for {name}")
+    PAGE.write_text(text)
 
 
 def main() -> int:
@@ -155,7 +177,10 @@ def main() -> int:
     failed = 0
     for name in BOARDS if chosen == "all" else [chosen]:
         try:
-            print(build(name), flush=True)
+            line, figures = build(name)
+            print(line, flush=True)
+            if "--update" in sys.argv[2:]:
+                update(name, figures)
         except (ToolError, subprocess.TimeoutExpired) as error:
             failed += 1
             print(f"bitstream: {name} failed: {error}", file=sys.stderr)
