@@ -5,8 +5,9 @@
 
     bitstream.py icebreaker | hx8k | ulx3s | tangnano9k | all [--update]
 
---update puts the figures into docs/boards.md.  Writes build/bitstream/<board>.bin, .bit or .fs and prints a line with cells, Fmax and clock.  The clock
-is CLK_HZ of the board's top; a board whose Fmax misses it fails.  Exit 2: no such board.
+Writes build/bitstream/<board>.bin, .bit or .fs and prints a line with cells, Fmax and clock.  The clock
+is CLK_HZ of the board's top; a board whose Fmax misses it fails.  --update puts the figures into
+docs/boards.md.  Exit 2: no such board.
 """
 
 from __future__ import annotations
