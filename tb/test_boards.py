@@ -4,6 +4,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 
@@ -180,6 +181,31 @@ def test_vendor_projects_name_files_that_exist():
             assert (place / name).exists(), f"create_project.tcl names {name}"
     for top, file in (("arty_a7_top", vivado), ("de10_lite_top", quartus)):
         assert re.search(rf"\b{top}\b(?!\.v)", file), f"{top} is not set as the top"
+
+
+VIVADO_STAND_IN = """
+proc create_project {args} {}
+proc current_fileset {} { return sources_1 }
+proc get_files {name} { return $name }
+proc add_files {args} { foreach file [lindex $args end] { puts "file [file normalize $file]" } }
+proc set_property {name value object} { puts "property $name $value $object" }
+"""
+
+
+def test_vivado_project_has_every_source():
+    """create_project.tcl in tclsh, with stand-ins for the commands of Vivado; any other command is an error."""
+    if not shutil.which("tclsh"):
+        pytest.skip("tclsh (package tcl) is not installed: Tcl scripts cannot be run")
+    script = f"{VIVADO_STAND_IN}\nset argv {{}}\nsource {FOLDER}/arty_a7/create_project.tcl\n"
+    done = subprocess.run(["tclsh"], input=script, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    files = sorted(line.removeprefix("file ") for line in done.stdout.splitlines() if line.startswith("file "))
+    headers = [str(path.relative_to(ROOT)) for path in (ROOT / "rtl").glob("*.vh")]
+    constraints = ["constraints/arty_a7/arty_a7.xdc", "constraints/sync/modbus_sync.xdc"]
+    wanted = [*bitstream.sources("arty_a7"), *headers, *constraints]
+    assert files == sorted(str(ROOT / name) for name in wanted)
+    for said in ("top arty_a7_top sources_1", "SCOPED_TO_REF modbus_sync modbus_sync.xdc"):
+        assert f"property {said}" in done.stdout.splitlines()
 
 
 @pytest.mark.parametrize("board", bitstream.BOARDS)
