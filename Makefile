@@ -28,11 +28,11 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tb/tools/bootstrap.sh apt demo
-$(foreach set,demo test lint formal fpga ecp5 fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo test lint formal fpga ecp5 boards fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tb/tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
-.PHONY: help demo serve test lint formal synth waves mistakes fusesoc clean
+.PHONY: help demo serve test lint formal synth bitstream waves mistakes fusesoc clean
 
 ##@ Use
 -include sim/live.mk
@@ -60,6 +60,9 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md
 	@$(PY) tb/tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
 	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
+
+bitstream: $(call stamp,boards)  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all; UPDATE=1 the table
+	@$(PY) tb/tools/bitstream.py "$${BOARD-}" $${UPDATE:+--update}
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
 	@$(PY) tb/tools/waves.py "$${T-}"

@@ -28,6 +28,7 @@ TB = ROOT / "tb"
 PRODUCTS = Path(os.environ.get("BENCH_BUILD", ROOT / "build" / "tb"))
 RTL = Path(os.environ.get("RTL", ROOT / "rtl"))
 EXTRA_SOURCES = [TB / "modules", TB / "buses"]  # benches in Verilog that put two modules together
+BOARD_TOP = "_top"  # how the tops of constraints/ end
 VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
 
 
@@ -87,6 +88,8 @@ def build(sim, top, parameters, own=""):
     runner = simulator(sim)
     files, folders = sources()
     files += sorted(p for f in EXTRA_SOURCES for p in f.glob("*.v"))
+    if top.endswith(BOARD_TOP):
+        files += sorted((ROOT / "constraints").glob("*/*.v"))
     waves = os.environ.get("WAVES") == "1"
     key = json.dumps([str(RTL), parameters, waves], sort_keys=True)
     name = f"{sim}_{own or top}" if sim == "icarus" else f"{sim}_{top}"

