@@ -54,7 +54,7 @@ proc arguments {name arguments flags valued} {
 proc expect {name rest count} { if {[llength $rest] != $count} { error "$name: $count arguments expected: $rest" } }
 proc in_project {name} { if {!$::project} { error "$name: no project is open" } }
 proc of {name kind handle} { if {[lindex $handle 0] ne $kind} { error "$name: a $kind expected, not <$handle>" } }
-proc find {handle} { return [expr {[info exists ::there($handle)] ? [list $handle] : {}}] }
+proc find {handle} { return [expr {[info exists ::there($handle)] ? $handle : {}}] }
 
 # ------------------------------------------------------------------ project
 
