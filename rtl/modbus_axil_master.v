@@ -96,9 +96,8 @@ module modbus_axil_master #(
   // Grant
   generate
     if (GUARD != 0) begin : gen_guard
-      wire       grant_ack, refused;
-      wire [3:0] exception;
-      wire       unused = refused;             // exception_o says it
+      wire refused;
+      wire unused = refused;                   // exception_o says it
 
       modbus_bank_guard #(
         .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
@@ -108,13 +107,9 @@ module modbus_axil_master #(
       ) u_guard (
         .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0),
         .req_i(grant_req_i), .space_i(grant_space_i), .first_i(grant_first_i), .last_i(grant_last_i),
-        .write_i(grant_write_i), .file_i(grant_file_i), .flat_i(1'b0), .ack_o(grant_ack), .refused_o(refused),
-        .exception_o(exception)
+        .write_i(grant_write_i), .file_i(grant_file_i), .flat_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused),
+        .exception_o(exception_o)
       );
-
-      // The guard's verdict goes on changing during the burst, and there it would be the reason of an error.
-      assign grant_ack_o = grant_ack;
-      assign exception_o = exception & {4{grant_ack}};
     end else begin : gen_no_guard
       wire unused = &{1'b0, write_lock_i, grant_req_i, grant_space_i, grant_first_i, grant_last_i, grant_write_i};
       assign grant_ack_o = 1'b0;

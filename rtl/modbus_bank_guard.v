@@ -33,7 +33,7 @@ module modbus_bank_guard #(
   input  wire        flat_i,         // level : space 4 is the records of all files in a row
   output wire        ack_o,          // strobe
   output wire        refused_o,      // level : a clock later, with or without req_i: what ack_o would bring is a refusal
-  output wire [3:0]  exception_o     // level : with ack_o, 0 or 02
+  output wire [3:0]  exception_o     // level : with ack_o 0 or 02, else 0
 );
 
   generate
@@ -142,7 +142,7 @@ module modbus_bank_guard #(
 
   assign ack_o       = ack_q & req_i;
   assign refused_o   = bad_q;
-  assign exception_o = bad_q ? `MB_EX_ILLEGAL_DATA_ADDRESS : 4'd0;
+  assign exception_o = (ack_o & bad_q) ? `MB_EX_ILLEGAL_DATA_ADDRESS : 4'd0;
 
 endmodule
 

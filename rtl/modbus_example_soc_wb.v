@@ -76,17 +76,16 @@ module modbus_example_soc_wb #(
   );
 
   // What exists, for the line
-  wire [3:0] guard_exception;
+  wire refused;
+  wire unused = refused;                         // exception says it
 
   modbus_bank_guard #(
     .COIL_COUNT(8), .DISCRETE_COUNT(8), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
   ) u_guard (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .hold_i(1'b0), .req_i(grant_req), .space_i(grant_space),
-    .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .ack_o(grant_ack),
-    .exception_o(guard_exception)
+    .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .flat_i(1'b0),
+    .ack_o(grant_ack), .refused_o(refused), .exception_o(exception)
   );
-
-  assign exception = guard_exception & {4{grant_ack}};       // 0 beside wb_err: exception 04
 
   // Arbiter
   reg line_q = 1'b0;                             // the bus is the core's

@@ -132,8 +132,8 @@ MISTAKES = [
     Mistake(
         "quantity_limit_one_too_low",
         "modbus_data_access.v",
-        "(less_one_q[10:0] < limit_i)",
-        "(less_one_q[10:0] < limit_i - 11'd1)",
+        "{1'b0, room_i};",
+        "{1'b0, room_i} + 12'd1;",
     ),
     Mistake("quantity_seen_through_eleven_bits", "modbus_data_access.v", "(less_one_q[15:11] == 5'd0) & ", ""),
     Mistake(
@@ -193,9 +193,7 @@ MISTAKES = [
         "{data[0] & beat, held_q[7:1]}",
         "{data[0], held_q[7:1]}",
     ),
-    Mistake(
-        "address_stands_still_in_a_burst", "modbus_data_access.v", "first_q <= first_q + 16'd1;", "first_q <= first_q;"
-    ),
+    Mistake("address_stands_still_in_a_burst", "modbus_data_access.v", "{{15{set_address}}, 1'b1}", "16'd0"),
     Mistake(
         "driver_off_before_the_tail",
         "modbus_frame_tx.v",
@@ -259,8 +257,8 @@ MISTAKES = [
         "4: tail = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_BROADCAST);",
         "4: tail = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_LONG);",
     ),
-    Mistake("counted_twice", "modbus_diagnostics.v", "word_q + 16'd1", "word_q + 16'd2"),
-    Mistake("counter_stops_at_its_end", "modbus_diagnostics.v", "word_q + 16'd1", "word_q + {15'd0, ~&word_q}"),
+    Mistake("counted_twice", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "16'd2"),
+    Mistake("counter_stops_at_its_end", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "{15'd0, ~&word_q}"),
     Mistake(
         "wrong_counter",
         "modbus_routines_frame.vh",
@@ -404,7 +402,7 @@ MISTAKES = [
         "diagnostic_i",
     ),
     # function codes 07, 08, 0B, 11
-    Mistake("exception_status_not_given", "modbus_rtu_core.v", "status = exception_status_i;", "status = 8'h00;"),
+    Mistake("exception_status_not_given", "modbus_rtu_core.v", "? exception_status_i :", "? 8'h00 :"),
     Mistake("data_of_08_not_judged", "modbus_dispatch.v", "(held_i == 8'hFF && !argument[0])", "(held_i == 8'hFF)"),
     Mistake(
         "high_byte_of_the_sub_function_ignored",
@@ -430,17 +428,19 @@ MISTAKES = [
     Mistake(
         "busy_not_in_the_status_word",
         "modbus_rtu_core.v",
-        "`MB_STATUS_BUSY: status = {8{busy_i}};",
-        "`MB_STATUS_BUSY: status = 8'h00;",
+        "run_indicator_i : busy_i}",
+        "run_indicator_i : 1'b0}",
     ),
-    Mistake("run_indicator_inverted", "modbus_rtu_core.v", "{8{run_indicator_i}}", "{8{~run_indicator_i}}"),
+    Mistake(
+        "run_indicator_inverted", "modbus_rtu_core.v", "argument[3] ? run_indicator_i", "argument[3] ? ~run_indicator_i"
+    ),
     Mistake("additional_data_dropped", "modbus_program.v", "(ADDITIONAL_DATA_BYTES > 0) ? 3 : 0", "0"),
     # function code 18
     Mistake(
         "queue_of_32_read",
         "modbus_routines_data.vh",
-        "plain(`MB_STEP_DEPTH, FIFO_MOST + 11'd1)",
-        "plain(`MB_STEP_DEPTH, FIFO_MOST + 11'd2)",
+        "11'd0 - FIFO_MOST - 11'd1}",
+        "11'd0 - FIFO_MOST - 11'd2}",
     ),
     Mistake(
         "rest_of_the_queue_not_asked_for",
@@ -450,9 +450,7 @@ MISTAKES = [
     ),
     # function codes 14, 15
     Mistake("length_of_the_file_answer_not_judged", "modbus_dispatch.v", "| (is_total & fourth & too_long_i)", ""),
-    Mistake(
-        "length_of_the_file_answer_one_too_much", "modbus_data_access.v", "MOST_WORDS = 8'd122", "MOST_WORDS = 8'd123"
-    ),
+    Mistake("length_of_the_file_answer_one_too_much", "modbus_data_access.v", "NO_GROUP = 8'd5", "NO_GROUP = 8'd4"),
     Mistake(
         "reference_type_of_a_read_ignored",
         "modbus_routines_files.vh",
@@ -465,9 +463,9 @@ MISTAKES = [
         "12: write_files = match(8'h06, ADDRESS);",
         "12: write_files = match(8'h06, ANY);",
     ),
-    Mistake("records_beyond_270f", "modbus_data_access.v", "LAST_RECORD = 16'h270F", "LAST_RECORD = 16'hFFFE"),
-    Mistake("file_0_is_there", "modbus_bank_guard.v", "(file_i != 16'd0) & ", ""),
-    Mistake("any_file_is_there", "modbus_bank_guard.v", " & (file_i <= FILE_COUNT[15:0])", ""),
+    Mistake("records_beyond_270f", "modbus_data_access.v", "beyond_q <= last_q[15]", "beyond_q <= 1'b0 & last_q[15]"),
+    Mistake("file_0_is_there", "modbus_bank_guard.v", " & few != {FW{1'b0}}", ""),
+    Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
     Mistake(
         "second_group_written_before_it_is_granted",
         "modbus_routines_files.vh",
@@ -504,9 +502,7 @@ MISTAKES = [
         "39: write_files = RECALL;",
         "39: write_files = plain(`MB_STEP_SPACE, {8'd0, FILES});",
     ),
-    Mistake(
-        "length_byte_of_a_group", "modbus_data_access.v", "{less_one_q[6:0] + 7'd1, 1'b1}", "{less_one_q[6:0], 1'b1}"
-    ),
+    Mistake("length_byte_of_a_group", "modbus_data_access.v", "{quantity, 1'b1};", "{less_one_q[6:0], 1'b1};"),
     # function code 2B
     Mistake(
         "no_fallback_to_the_first_object",
@@ -612,12 +608,7 @@ MISTAKES = [
         "stb & ends & bad & ~stale_q",
     ),
     Mistake("axil_half_of_a_word", "modbus_axil_master.v", "m_axil_wstrb   = 4'b1111", "m_axil_wstrb   = 4'b0011"),
-    Mistake(
-        "axil_verdict_with_an_error",
-        "modbus_axil_master.v",
-        "exception & {4{grant_ack}}",
-        "exception | {3'd0, ~grant_ack}",
-    ),
+    Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & bad_q)", "bad_q"),
     Mistake("cpu_half_a_register", "modbus_axil_slave.v", "half  = write_q & (", "half  = 1'b0 & ("),
     Mistake("cpu_hold_does_not_hold", "modbus_axil_slave.v", "host_stb_o | hold_q", "host_stb_o"),
     Mistake(

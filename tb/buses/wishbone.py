@@ -115,9 +115,7 @@ class Host:
         for result in results:
             value = int(result.datwr if result.datwr is not None else 0)
             out.append(None if result.ack == ERR else value)
-        return [
-            v if v is None or len(a) > 2 else int(r.datrd) for v, a, r in zip(out, accesses, results, strict=True)
-        ]
+        return [v if v is None or len(a) > 2 else int(r.datrd) for v, a, r in zip(out, accesses, results, strict=True)]
 
     async def write(self, space, item, value):
         """True if it was written."""

@@ -106,9 +106,7 @@ class Peek(ctypes.Structure):
 
     _fields_ = [
         (name, ctypes.c_uint32)
-        for name in (
-            "watch grant_space grant_first grant_last exception wb_adr wb_write wb_read host_dat"
-        ).split()
+        for name in ("watch grant_space grant_first grant_last exception wb_adr wb_write wb_read host_dat").split()
     ]
 
     def __getattr__(self, name):
@@ -169,9 +167,7 @@ class Device:
     def setup(self, bit_time, fmt=F8E1, **inputs):
         """Set the run-time inputs; what is not named is 0. Then reset and silence."""
         self.fmt, self.bit_time = fmt, bit_time
-        self.lib.device_setup(
-            self.handle, ctypes.byref(Setup(bit_time=bit_time, format=fmt.code, **inputs))
-        )
+        self.lib.device_setup(self.handle, ctypes.byref(Setup(bit_time=bit_time, format=fmt.code, **inputs)))
         self.reset()
 
     def reset(self, silence=None):

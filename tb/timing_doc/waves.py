@@ -255,4 +255,3 @@ def as_text(picture):
     lanes = ",\n".join("  " + json.dumps(one, ensure_ascii=False) for one in picture["signal"])
     rest = ",\n".join(f' "{key}": {json.dumps(picture[key], ensure_ascii=False)}' for key in picture if key != "signal")
     return f'{{"signal": [\n{lanes}\n ],\n{rest}\n}}\n'
-
