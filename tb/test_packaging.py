@@ -3,7 +3,8 @@
 """Every list of files names exactly what is in rtl/, and the packaging scripts run to their end.
 
 Lists: rtl/modbus.f, modbus_rtu_slave.core, the Quartus .qip, the Vivado packaging script. The last two are programs
-in Tcl; they run in tclsh against stand-ins for the vendors' commands (tb/packaging), which refuse what they do not know.
+in Tcl; they run in tclsh against stand-ins for the vendors' commands (tb/packaging), which refuse what they do not
+know.
 """
 
 import re
@@ -201,14 +202,38 @@ def test_core_names_files_that_exist():
 
 @pytest.mark.parametrize("board", BOARDS)
 def test_core_has_a_target_for_the_board(board):
-    """With the RTL, what all boards share, and everything of its own folder except what only its `make` needs."""
+    """With the RTL, what all boards share, its top, its constraints, and nothing of another board."""
     text = targets(ROOT)[board]
     assert f"filesets: [rtl, board, {board}]" in text
     assert f"toplevel: {board}_top" in text
     own = [path for path, _ in filesets(ROOT)[board]]
     assert f"constraints/{board}/{board}_top.v" in own
     assert len(own) >= 2, "no constraints"
-    assert all(path.startswith(f"constraints/{board}/") for path in own)
+    others = set(BOARDS) - {board}
+    assert not [path for path in own if path.split("/")[1] in others]
+
+
+def test_quartus_takes_the_pins_without_the_files():
+    """de10_lite_pins.tcl: the .qsf names files relative to its own folder, which would lead nowhere in FuseSoC's."""
+    qsf = (ROOT / "constraints/de10_lite/de10_lite.qsf").read_text(encoding="utf-8")
+    assert "VERILOG_FILE" in qsf
+    lines = tcl(STUBS / "quartus_stub.tcl", ROOT / "constraints/quartus/de10_lite_pins.tcl")
+    pins = [tuple(line.split()[:2]) for line in lines if line.startswith("PIN_")]
+    assert "TOP_LEVEL_ENTITY de10_lite_top" in lines
+    assert not [line for line in lines if "_FILE " in line]
+    assert [name.strip("{}") for _, name in pins] == re.findall(r"^set_location_assignment \S+ -to (\S+)", qsf, re.M)
+    assert len(pins) > 5
+
+
+def test_vivado_reads_the_synchroniser_scoped(tmp_path):
+    """scope_sync.tcl: for the instances of modbus_sync, from the file beside it."""
+    stub = tmp_path / "stub.tcl"
+    stub.write_text("proc read_xdc {args} { puts $args }\nsource [lindex $argv 0]\n")
+    (line,) = tcl(stub, ROOT / "constraints/vivado/scope_sync.tcl")
+    option, module, path = line.split()
+    assert (option, module) == ("-ref", "modbus_sync")
+    assert Path(path).resolve() == ROOT / "constraints/sync/modbus_sync.xdc"
+    assert Path(path).is_file()
 
 
 # ------------------------------------------------------------------ Vivado
@@ -234,9 +259,8 @@ def test_vivado_script_packages_both(infers, copy):
         "ACTIVE_HIGH busparam rst_i POLARITY",
         "rst_i busparam clk_i ASSOCIATED_RESET",
     ] * len(IPS)
-    assert said(lines, "infer_bus_interface") == (
-        [] if infers else [f"{p} xilinx.com:signal:{k}_rtl:1.0" for p, k in (("clk_i", "clock"), ("rst_i", "reset"))] * 2
-    )
+    signals = [f"{port} xilinx.com:signal:{kind}_rtl:1.0" for port, kind in (("clk_i", "clock"), ("rst_i", "reset"))]
+    assert said(lines, "infer_bus_interface") == ([] if infers else signals * len(IPS))
     assert said(lines, "infer_bus_interfaces") == ([] if infers else ["xilinx.com:interface:aximm_rtl:1.0"])
     assert said(lines, "associate_bus_interfaces") == ["s_axil clk_i"]
     width = int(header("modbus_axil_slave")[1]["s_axil_awaddr"][1].split(":")[0]) + 1
