@@ -204,8 +204,8 @@ def test_core_names_files_that_exist():
 def test_core_has_a_target_for_the_board(board):
     """With the RTL, what all boards share, its top, its constraints, and nothing of another board."""
     text = targets(ROOT)[board]
-    assert f"filesets: [rtl, board, {board}]" in text
-    assert f"toplevel: {board}_top" in text
+    assert f"    filesets: [rtl, board, {board}]\n" in text
+    assert f"    toplevel: {board}_top\n" in text
     own = [path for path, _ in filesets(ROOT)[board]]
     assert f"constraints/{board}/{board}_top.v" in own
     assert len(own) >= 2, "no constraints"
