@@ -334,3 +334,16 @@ def test_a_mistake_in_the_vivado_script_is_noticed(mistake, copy):
 def test_vivado_script_refuses_what_it_cannot_package(copy):
     with pytest.raises(AssertionError, match="cannot package modbus_crc16"):
         vivado(copy, copy / "ip", "modbus_crc16")
+
+
+def test_vivado_script_writes_over_packaged_ip_only(copy):
+    """OUT/TOP may be a checkout of this very core."""
+    place = copy / "ip" / IPS[0]
+    place.mkdir(parents=True)
+    (place / "precious").write_text("")
+    with pytest.raises(AssertionError, match="is no packaged IP"):
+        vivado(copy, copy / "ip", IPS[0])
+    assert (place / "precious").exists()
+    (place / "component.xml").write_text("")
+    assert said(vivado(copy, copy / "ip", IPS[0]), "save_core") == [IPS[0]]
+    assert not (place / "precious").exists()

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
 #
-# de10_lite_pins.tcl - settings and pins of the DE10-Lite for a project that brings its own list of files, as FuseSoC's does.
+# de10_lite_pins.tcl - settings and pins of the DE10-Lite for a project that brings its own list of files, as that of
+# FuseSoC does.
 #
-# They stand in ../de10_lite/de10_lite.qsf, a project of its own; this runs it without the files it adds, for their paths are
-# relative to that project.  A bracket in a .qsf is part of a name, not a command.
+# They stand in ../de10_lite/de10_lite.qsf, a project of its own; this runs it without the files it adds, for their
+# paths are relative to that project.  A bracket in a .qsf is part of a name, not a command.
 
 proc modbus_pins {qsf} {
   set channel [open $qsf]

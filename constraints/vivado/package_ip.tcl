@@ -11,7 +11,8 @@
 #   modbus_axil_slave    AXI4-Lite in front of its host port: connect the ports of the same names
 #
 # both as it comes.  Then add OUT to the repositories of your project: Settings > IP > Repository.
-# OUT/TOP is written anew each time, with copies of the sources.  Nothing else is touched.
+# OUT/TOP is written anew each time, with copies of the sources; the script stops if it is something else than a
+# packaged IP.  The project that Vivado needs for it is build/vivado/package_TOP.
 
 set root [file normalize [file join [file dirname [info script]] .. ..]]
 set out [file join $root build vivado ip]
@@ -21,9 +22,9 @@ if {[llength $argv] > 1} { set tops [lrange $argv 1 end] }
 
 set vendor modbus_rtu_slave
 set title(modbus_rtu_slave) "Modbus RTU slave"
-set text(modbus_rtu_slave) "Modbus RTU slave with coils, inputs, registers and files in block RAM and a Wishbone port for the host"
-set text(modbus_axil_slave) "AXI4-Lite in front of the host port of the Modbus RTU slave"
+set text(modbus_rtu_slave) "Modbus RTU slave: coils, inputs, registers and files in block RAM, Wishbone port for the host"
 set title(modbus_axil_slave) "AXI4-Lite port of the Modbus RTU slave"
+set text(modbus_axil_slave) "AXI4-Lite in front of the host port of the Modbus RTU slave"
 
 # Parameters: name, least, most (both empty: no range that a number can tell), meaning.
 # docs/parameters.md is the long form; what depends on another parameter is judged at elaboration.
@@ -123,10 +124,14 @@ proc modbus_bus_parameter {interface name value} {
 
 proc modbus_package {root out vendor top title text parameters idle} {
   set place [file join $out $top]
+  # Only what looks like our own work is written over: OUT/TOP might be somebody's checkout.
+  if {[file exists $place] && ![file exists [file join $place component.xml]]} {
+    error "$place is there and is no packaged IP: not written over"
+  }
   file delete -force $place
   file mkdir $place
 
-  create_project -force package_$top [file join $out .. package_$top]
+  create_project -force package_$top [file join $root build vivado package_$top]
   add_files -norecurse [concat [modbus_sources $root] [modbus_headers $root]]
   set_property file_type "Verilog Header" [get_files [modbus_headers $root]]
   set_property include_dirs [file join $root rtl] [current_fileset]

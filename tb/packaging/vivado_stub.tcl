@@ -95,8 +95,10 @@ namespace eval ipx {
     in_project ipx::package_project
     expect ipx::package_project [arguments ipx::package_project $args {-import_files -force} \
       {-root_dir -vendor -library -taxonomy}] 0
-    foreach option {-root_dir -vendor -library -taxonomy} { set $option $options($option) }
-    if {![file isdirectory ${-root_dir}]} { error "ipx::package_project: no folder ${-root_dir}" }
+    foreach option {-root_dir -vendor -library -taxonomy} {
+      if {![info exists options($option)]} { error "ipx::package_project: $option is missing" }
+    }
+    close [open [file join $options(-root_dir) component.xml] w]
     if {![info exists ::has_parameters($::top)]} { error "ipx::package_project: no module $::top" }
     set ::core 1
     array unset ::there
