@@ -68,7 +68,7 @@ waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in 
 	@$(PY) tb/tools/waves.py "$${T-}"
 
 ##@ Other
-fusesoc: $(call stamp,fusesoc) $(call stamp,lint)  ## the FuseSoC targets lint and sim
+fusesoc: $(call stamp,fusesoc) $(call stamp,lint)  ## the FuseSoC targets: lint and sim run, the boards are set up
 	@tb/tools/fusesoc.sh
 
 clean:  ## remove build products (.venv stays)
