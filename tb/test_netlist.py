@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""The slave as gates of an iCE40 (Yosys synth_ice40), in Icarus, at its ports: what `make synth` measures is right.
+
+No input is tied, the parameters are those of the profiles of tools/synth.py, but for the floors of t1.5 and t3.5:
+none, or in a short time. Gates simulate 60 to 100 characters a second, so the usual run plays a selection;
+FULL=1 plays everything that needs no more than the ports.
+"""
+
+import sys
+
+import pytest
+from conftest import FULL
+from mbrtu.build import NO_FLOORS
+from mbrtu.defs import DIAGNOSTIC_FUNCTIONS
+from mbrtu.runner import TB, run
+from test_system import IO, SLAVE, SUITES
+
+sys.path.append(str(TB / "tools"))
+from synth import PROFILES
+
+SHORT_FLOORS = {"CLK_HZ": 100_000}  # 75 and 175 clocks: characters of 8 clocks a bit are longer, of 4 not
+
+
+def profile(name, bank, **more):
+    """The build of a profile, for its model too: {parameter: integer}."""
+    parameters, _ = PROFILES[name][bank]
+    return {k: int(v.split("'h")[1], 16) if "'h" in v else int(v) for k, v in parameters.items()} | more
+
+
+BUILDS = {
+    "basic_ram": (SLAVE, profile("basic", "ram", **NO_FLOORS)),
+    "basic_io": (IO, profile("basic", "io", CLK_HZ=1_000_000)),
+    "full_ram": (SLAVE, profile("full", "ram", **NO_FLOORS)),
+    "full_io": (IO, profile("full", "io", **NO_FLOORS)),
+}
+USUAL = ("basic_io", "full_ram")
+CHOSEN = tuple(BUILDS) if FULL else USUAL
+
+
+@pytest.mark.parametrize("build", CHOSEN)
+def test_netlist(record_property, build):
+    top, parameters = BUILDS[build]
+    run(record_property, "icarus", top, "system.smoke", parameters, own=f"netlist_{build}", netlist=True)
+
+
+@pytest.mark.parametrize("build", CHOSEN)
+@pytest.mark.parametrize("level", ["rtl", "netlist"])
+def test_power_up(record_property, level, build):
+    top, parameters = BUILDS[build]
+    own = f"power_up_{level}_{build}"
+    run(record_property, "icarus", top, "system.power_up", parameters, own=own, netlist=level == "netlist")
