@@ -12,14 +12,13 @@ import sys
 import pytest
 from conftest import FULL
 from mbrtu.build import NO_FLOORS
-from mbrtu.defs import DIAGNOSTIC_FUNCTIONS
 from mbrtu.runner import TB, run
 from test_system import IO, SLAVE, SUITES
 
 sys.path.append(str(TB / "tools"))
 from synth import PROFILES
 
-SHORT_FLOORS = {"CLK_HZ": 100_000}  # 75 and 175 clocks: characters of 8 clocks a bit are longer, of 4 not
+SHORT_FLOORS = {"CLK_HZ": 250_000}  # 187 and 437 clocks: a little more than 1.5 and 3.5 characters of 8 clocks a bit
 
 
 def profile(name, bank, **more):
@@ -30,7 +29,7 @@ def profile(name, bank, **more):
 
 BUILDS = {
     "basic_ram": (SLAVE, profile("basic", "ram", **NO_FLOORS)),
-    "basic_io": (IO, profile("basic", "io", CLK_HZ=1_000_000)),
+    "basic_io": (IO, profile("basic", "io", **SHORT_FLOORS)),
     "full_ram": (SLAVE, profile("full", "ram", **NO_FLOORS)),
     "full_io": (IO, profile("full", "io", **NO_FLOORS)),
 }
@@ -50,3 +49,29 @@ def test_power_up(record_property, level, build):
     top, parameters = BUILDS[build]
     own = f"power_up_{level}_{build}"
     run(record_property, "icarus", top, "system.power_up", parameters, own=own, netlist=level == "netlist")
+
+
+# Suites of test_system.py that no netlist plays.
+LARGER_THAN_AN_ICE40 = ("functions_whole", "fifo_whole", "files_long")
+INSIDE = {"diagnostics_counters": "^(?!.*counters_wrap)"}  # loads counters: the tests that do without
+BASIC = {  # what the profile `basic` has something for
+    "basic_ram": ("functions", "options", "line_faults"),
+    "basic_io": ("functions", "io_bank"),
+}
+SUITES_ON_GATES = {
+    **{
+        name: (top, parameters, module, INSIDE.get(name, only))
+        for name, (top, parameters, module, only) in SUITES.items()
+        if top in (SLAVE, IO) and name not in LARGER_THAN_AN_ICE40
+    },
+    **{f"{build}_{module}": (*BUILDS[build], module, None) for build, modules in BASIC.items() for module in modules},
+}
+
+
+if FULL:
+
+    @pytest.mark.parametrize("suite", SUITES_ON_GATES)
+    def test_system_on_gates(record_property, suite, seed):
+        top, parameters, module, only = SUITES_ON_GATES[suite]
+        env, own = {"BENCH_SEED": str(seed)}, f"gates_{suite}"
+        run(record_property, "icarus", top, f"system.{module}", parameters, env, only, own, netlist=True)

@@ -132,8 +132,9 @@ def results(xml):
 
 
 def run(record_property, sim, top, modules, parameters=None, env=None, only=None, own="", netlist=False):
-    """Build `top` (with `netlist` as gates of an iCE40) and run the cocotb `modules` (a name or several) in it; fails if one test fails.
+    """Build `top` and run the cocotb `modules` (a name or several) in it; fails if one test fails.
 
+    With `netlist` it is the gates that Yosys makes of `top`, of which only the ports have names.
     `only`, a regular expression, chooses among the cocotb tests; CASE from outside goes before it.
     `own` names the folder of a run that may go beside others of the same build.
     Every cocotb test is handed to the closing count by `record_property`.
@@ -144,6 +145,7 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
     extra = {
         "BENCH_TOP": top,
         "BENCH_PARAMETERS": json.dumps(parameters),
+        "BENCH_PORTS_ONLY": "1" if netlist else "",
         "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
         **(env or {}),
     }

@@ -14,18 +14,18 @@ from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge, Timer
 from mbrtu import build
 from mbrtu.bench import AT_REST, CLOCK_PS, PROCESSING_CLOCKS
-from mbrtu.defs import F8E1, FIRST_ADDRESS, LAST_ADDRESS, Space
+from mbrtu.defs import F8E1, Space
 from mbrtu.frames import text
 from mbrtu.host import HostPort
 from mbrtu.line import Line, wait_until
-from mbrtu.model import Slave, characters
+from mbrtu.model import characters
 from mbrtu.readout import Readout
 
-DEVICE = "modbus_rtu_slave"
+from .listener import SEEN, Listener, spread
+
 PARAMETERS = json.loads(os.environ.get("BENCH_PARAMETERS", "{}"))
 NODES = PARAMETERS.get("NODES", 32)
 STROBE_WRAP = 256  # of the bench's counts of strobes
-SEEN = ("drives", "frames", "errors", "writes")  # what the bench counts for each node
 
 
 class Master(Line):
@@ -42,23 +42,16 @@ class Master(Line):
         return end
 
 
-class Node(HostPort, Readout):
+class Node(Listener, HostPort, Readout):
     """One slave: its place on the bench, its settings, its model, what its host must have seen."""
 
     def __init__(self, dut, index):
-        self.dut, self.index, self.has_host = dut, index, True
+        self.dut, self.has_host = dut, True
         every = PARAMETERS["DIAGNOSED_EVERY"]
         codes = PARAMETERS["PLAIN_CODES" if index % every else "DIAGNOSED_CODES"]
         count = PARAMETERS["TABLE_COUNT"]
         tables = build.table_parameters(dict.fromkeys(list(Space)[:4], (0, count)))
-        self.slave = Slave(build.model_config(DEVICE, {**tables, "FUNCTION_CODES": codes}))
-        self.touched, self.wanted = set(), dict.fromkeys(SEEN, 0)
-        self.bit_time, self.de_lead, self.de_tail = 0, 0, 0
-
-    @property
-    def address(self):
-        """The slave address."""
-        return self.slave.config.address
+        super().__init__(index, {**tables, "FUNCTION_CODES": codes})
 
     async def clocks(self, count):
         """Wait for clock cycles."""
@@ -68,16 +61,6 @@ class Node(HostPort, Readout):
         """Bring this node to the host and counter ports."""
         self.dut.node_i.value = self.index
         await Timer(1, "ps")
-
-    def hears(self, line):
-        """The model's answer to `line`, None for silence."""
-        answer = self.slave.request(line)
-        self.wanted["frames"] += self.slave.good
-        self.wanted["errors"] += bool(self.slave.errors)
-        self.wanted["writes"] += len(self.slave.written)
-        self.wanted["drives"] += answer is not None
-        self.touched |= self.slave.touched
-        return answer
 
 
 class Bus:
@@ -98,11 +81,9 @@ class Bus:
         `setup` gives settings of a node as functions of the random generator: bit_time, de_lead, de_tail.
         """
         bus = cls(dut, seed, bit_time, fmt)
-        addresses = range(FIRST_ADDRESS, LAST_ADDRESS + 1)
-        chosen = [FIRST_ADDRESS, LAST_ADDRESS, *bus.rng.sample(addresses[1:-1], NODES - 2)]
-        bus.rng.shuffle(chosen)
-        for node, address in zip(bus.nodes, chosen):
-            node.slave.config.address, node.bit_time = address, bit_time
+        spread(bus.rng, bus.nodes)
+        for node in bus.nodes:
+            node.bit_time = bit_time
             for name, choose in setup.items():
                 setattr(node, name, choose(bus.rng))
         bus.apply()
@@ -213,9 +194,7 @@ class Bus:
         """What each node's host has seen so far is what its model says, and nobody drove against another."""
         await RisingEdge(self.dut.clk_i)
         await Timer(1, "ps")
-        assert self.collisions() == (0, 0), (
-            f"{note}: clocks with two drivers and without a level: {self.collisions()}"
-        )
+        assert self.collisions() == (0, 0), f"{note}: clocks with two drivers and without a level: {self.collisions()}"
         for name in SEEN:
             seen, wanted = self._counts(name), [node.wanted[name] % STROBE_WRAP for node in self.nodes]
             wrong = [
@@ -244,4 +223,3 @@ class Bus:
 def share(rng, values):
     """A setting that about half of the nodes have, 0 for the others."""
     return rng.choice(values) if rng.random() < 0.5 else 0
-

@@ -19,10 +19,12 @@ EARLY_CLOCKS = 40  # into the silence that comes first
 async def works_without_a_reset(dut):
     """Idle outputs from the first moment; nothing is heard before t3.5 of silence; then all is as after a reset."""
     assert now() == 0, "something ran before"
-    tb = Bench(dut, 1)
     for port in (*AT_REST, "rst_i", "clk_i"):
         if hasattr(dut, port):
             getattr(dut, port).value = 0
+    dut.rxd_i.value = 1
+    await Timer(1, "ps")
+    tb = Bench(dut, 1)
     tb.apply()
     await Timer(1, "ps")
 
