@@ -165,9 +165,13 @@ class Bus:
         else:
             self.run(self.free_at + gap * self.fmt.length * self.bit_time - self.now)
         sent = self.free_at = self.send(line, offset)
-        got = self.answer()
+        try:
+            got = self.answer()
+        except wave.LineError:
+            self._nobody_collided(shown)
+            raise
+        self._nobody_collided(shown)
         seen = {got[0].index: got[1]} if got else {}
-        assert self.collisions == 0, f"{shown}: two drivers for {self.collisions} clocks"
         assert seen == answers, f"{shown}: expected {_shown(answers)}, seen {_shown(seen)}"
         if got is None:
             self.free_at = self.now
@@ -183,11 +187,14 @@ class Bus:
 
     # -------------------------------------------------------------- what all of them saw
 
+    def _nobody_collided(self, note):
+        assert self.collisions == 0, f"{note}: two drivers for {self.collisions} clocks"
+
     def check(self, note=""):
         """Strobes, memory, counters, log and mode of every node are those of its model."""
         self.silence()
         self.run(LAST_ACTION_CLOCKS)
-        assert self.collisions == 0, f"{note}: two drivers for {self.collisions} clocks"
+        self._nobody_collided(note)
         for node in self.nodes:
             shown = f"{note}: node {node.index} (address {node.address})"
             seen = {name: self._lib.bus_count(self._handle, node.index, i) for i, name in enumerate(SEEN)}

@@ -5,6 +5,7 @@
 SEED chooses addresses, contents and traffic; FULL=1 plays a hundred times as much.
 """
 
+import contextlib
 import os
 
 import pytest
@@ -156,7 +157,6 @@ def test_two_of_one_address_collide(bus):
     second.de_tail = 3
     bus.begin()
     bus.send(frames.adu(first.address, READ))
-    with pytest.raises(LineError):
+    with contextlib.suppress(LineError):  # each by itself is clean
         bus.answer()
-        raise LineError("two answers at once may look like one")
     assert bus.collisions > 10 * 11 * bus.bit_time, f"two answers, and {bus.collisions} clocks with two drivers"
