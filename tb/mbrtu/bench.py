@@ -284,6 +284,9 @@ class Bench(HostPort, Readout):
         assert extra is None, f"an answer nobody asked for: {text(extra.data)}"
         assert int(self.dut.txd_o.value) == 1, "txd_o is low at rest"
         assert int(self.dut.de_o.value) == 0, "de_o is high at rest"
+        for port in ("frame_stb_o", "write_stb_o", *(f"err_{e}_o" for e in ERRORS)):
+            if hasattr(self.dut, port):
+                assert int(getattr(self.dut, port).value) == 0, f"{port} is high at rest"
         if self.has_host or hasattr(self.dut, "holdings_o"):
             await self.compare(sorted(self.touched))
         if self.in_step:
