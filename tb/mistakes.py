@@ -104,6 +104,13 @@ MISTAKES = [
         "(answered_i ? strict_i : heard)",
         "(answered_i ? 1'b0 : heard)",
     ),
+    Mistake("line_low_at_power_up", "modbus_uart_tx.v", "reg       txd_q = 1'b1;", "reg       txd_q = 1'b0;"),
+    Mistake(
+        "idle_at_once_at_power_up",
+        "modbus_frame_rx.v",
+        "reg [1:0] state_q = ST_INITIAL, state_d;",
+        "reg [1:0] state_q = ST_IDLE, state_d;",
+    ),
     Mistake("address_248_answers", "modbus_frame_rx.v", " & (address_i[7:3] != 5'h1F)", ""),
     Mistake(
         "broadcast_always_obeyed",
@@ -672,6 +679,7 @@ BUSES = {
 }
 SELECTION = [
     *((suite, None) for suite in MODULES_ALONE),
+    ("power_up", None),
     (COMPILED, 2000),
     ("functions_mapped", "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share"),
     ("functions_mapped", "address_limits|align|read_write|limits.*code=(3|15|16)"),

@@ -154,6 +154,8 @@ LEFT_OUT_TESTS = {
 
 # name: (top, parameters, cocotb modules, names of cocotb tests or None for all)
 SUITES = {
+    "power_up": (SLAVE, FAST, "power_up", None),
+    "power_up_io": (IO, NO_FLOORS, "power_up", None),
     "vectors": (SLAVE, FAST, "vectors_at_pins", None),
     "vectors_meter": (SLAVE, METER, "vectors_at_pins", None),
     "vectors_984": (SLAVE, example("S000-FIG32-33-984"), "vectors_at_pins", None),

@@ -33,12 +33,15 @@ class BuildError(RuntimeError):
     """A tool is missing or has failed."""
 
 
-def library(parameters):
-    """Path of the shared library of modbus_rtu_slave with `parameters`, built if it is not current."""
+def library(parameters, harness=HERE / "harness.cpp"):
+    """Path of the shared library of modbus_rtu_slave with `parameters` behind the C functions of `harness`.
+
+    Built if it is not current. Raises BuildError.
+    """
     if not shutil.which("verilator"):
         raise BuildError("verilator is not installed")
     files, folders = sources()
-    inputs = [*files, *sorted(p for f in folders for p in f.glob("*.vh")), HERE / "harness.cpp"]
+    inputs = [*files, *sorted(p for f in folders for p in f.glob("*.vh")), harness]
     digest = hashlib.sha1(json.dumps(parameters, sort_keys=True).encode())
     for path in inputs:
         digest.update(path.read_bytes())
@@ -64,7 +67,7 @@ def library(parameters):
         objects.append(threads)
     compile_ = ["g++", "-O2", "-fPIC", "-shared", f"-I{folder}", f"-I{root}/include", f"-I{root}/include/vltstd"]
     part = folder / "device.part"
-    _run([*compile_, str(HERE / "harness.cpp"), *map(str, objects), "-o", str(part), "-pthread"], folder)
+    _run([*compile_, str(harness), *map(str, objects), "-o", str(part), "-pthread"], folder)
     part.rename(made)
     return made
 

@@ -16,13 +16,14 @@ from . import build
 from .defs import ERRORS, F8E1, FORMAT_BY_NAME, RESTARTED, Space
 from .frames import text
 from .host import HostPort
-from .line import Line
+from .line import Line, now
 from .model import Slave, characters, split
 from .readout import Readout
 
 CLOCK_PS = 20_000
 TOP = os.environ.get("BENCH_TOP", "modbus_rtu_slave")
 PARAMETERS = json.loads(os.environ.get("BENCH_PARAMETERS", "{}"))
+PORTS_ONLY = bool(os.environ.get("BENCH_PORTS_ONLY"))  # a netlist: nothing inside has a name
 PATIENCE_CLOCKS = 30_000  # for an answer that must come
 PROCESSING_CLOCKS = 250  # from t3.5 to the answer of a short request, whatever the bit time
 STRAGGLER_BITS = 16  # a character that began in the last moment of a noise
@@ -83,6 +84,8 @@ class Bench(HostPort, Readout):
     @classmethod
     async def start(cls, dut, seed=1, **setup):
         """Clock, inputs, reset; returns when the line has been silent for t3.5."""
+        if not now():
+            await Timer(1, "ps")  # the nets of a netlist have no level at time 0 yet
         bench = cls(dut, seed)
         for port in AT_REST:
             if hasattr(dut, port):
@@ -282,6 +285,9 @@ class Bench(HostPort, Readout):
         assert extra is None, f"an answer nobody asked for: {text(extra.data)}"
         assert int(self.dut.txd_o.value) == 1, "txd_o is low at rest"
         assert int(self.dut.de_o.value) == 0, "de_o is high at rest"
+        for port in ("frame_stb_o", "write_stb_o", *(f"err_{e}_o" for e in ERRORS)):
+            if hasattr(self.dut, port):
+                assert int(getattr(self.dut, port).value) == 0, f"{port} is high at rest"
         if self.has_host or hasattr(self.dut, "holdings_o"):
             await self.compare(sorted(self.touched))
         if self.in_step:

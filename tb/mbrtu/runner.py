@@ -21,13 +21,14 @@ from pathlib import Path
 import pytest
 from cocotb_tools.runner import get_runner
 
+from . import netlist as gates
 from .build import for_simulator
 
 ROOT = Path(__file__).resolve().parents[2]
 TB = ROOT / "tb"
 PRODUCTS = Path(os.environ.get("BENCH_BUILD", ROOT / "build" / "tb"))
 RTL = Path(os.environ.get("RTL", ROOT / "rtl"))
-EXTRA_SOURCES = [TB / "modules", TB / "buses"]  # benches in Verilog that put two modules together
+EXTRA_SOURCES = [TB / "modules", TB / "buses", TB / "multidrop"]  # benches in Verilog that put modules together
 BOARD_TOP = "_top"  # how the tops of constraints/ end
 VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
 
@@ -79,8 +80,8 @@ def locked(folder):
         yield
 
 
-def build(sim, top, parameters, own=""):
-    """Compile `top`; returns (runner, folder).
+def build(sim, top, parameters, own="", netlist=False):
+    """Compile `top`, or the iCE40 netlist of it; returns (runner, folder).
 
     Verilator's long builds are shared by all that want the same; Icarus builds, which take no time,
     are kept apart by `own`, so that tests run beside each other.
@@ -91,17 +92,25 @@ def build(sim, top, parameters, own=""):
     if top.endswith(BOARD_TOP):
         files += sorted((ROOT / "constraints").glob("*/*.v"))
     waves = os.environ.get("WAVES") == "1"
-    key = json.dumps([str(RTL), parameters, waves], sort_keys=True)
+    key = json.dumps([str(RTL), parameters, waves, *(["netlist"] if netlist else [])], sort_keys=True)
     name = f"{sim}_{own or top}" if sim == "icarus" else f"{sim}_{top}"
     folder = PRODUCTS / f"{name}_{hashlib.sha1(key.encode()).hexdigest()[:8]}"
     arguments = {
         "icarus": ["-Wall", *([] if waves else ["-g2005"])],
         "verilator": ["-Wno-fatal", "--x-assign", "fast", "--x-initial", "fast", "-O3"],
     }[sim]
+    defines = {}
+    if netlist:
+        rtl = sources()
+        place = gates.folder(top, parameters, *rtl, PRODUCTS)
+        with locked(place):
+            made = gates.netlist(place, top, parameters, *rtl)
+        files, folders, parameters, defines = [made, gates.cells()], [], {}, gates.DEFINES
     with locked(folder):
         runner.build(
             sources=files,
             includes=folders,
+            defines=defines,
             hdl_toplevel=top,
             build_dir=folder,
             parameters=for_simulator(sim, parameters),
@@ -125,19 +134,21 @@ def results(xml):
     return out
 
 
-def run(record_property, sim, top, modules, parameters=None, env=None, only=None, own=""):
+def run(record_property, sim, top, modules, parameters=None, env=None, only=None, own="", netlist=False):
     """Build `top` and run the cocotb `modules` (a name or several) in it; fails if one test fails.
 
+    With `netlist` it is the gates that Yosys makes of `top`, of which only the ports have names.
     `only`, a regular expression, chooses among the cocotb tests; CASE from outside goes before it.
     `own` names the folder of a run that may go beside others of the same build.
     Every cocotb test is handed to the closing count by `record_property`.
     """
     parameters = parameters or {}
     modules = [modules] if isinstance(modules, str) else list(modules)
-    runner, folder = build(sim, top, parameters, own)
+    runner, folder = build(sim, top, parameters, own, netlist)
     extra = {
         "BENCH_TOP": top,
         "BENCH_PARAMETERS": json.dumps(parameters),
+        "BENCH_PORTS_ONLY": "1" if netlist else "",
         "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
         **(env or {}),
     }
@@ -168,7 +179,7 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
     record_property("cpu", after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
     assert xml.exists(), f"the simulation ended without results; see {log}"
     found = results(xml)
-    record_property("cocotb", [(f"{sim} {test}", ok) for test, ok in found])
+    record_property("cocotb", [(f"{sim}{' netlist' if netlist else ''} {test}", ok) for test, ok in found])
     assert found, f"no cocotb test ran; see {log}"
     bad = [test for test, ok in found if not ok]
     if bad:
