@@ -61,8 +61,9 @@ synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and
 	@$(PY) tb/tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
 	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
 
-bitstream: $(call stamp,boards)  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all; UPDATE=1 the table
-	@$(PY) tb/tools/bitstream.py "$${BOARD-}" $${UPDATE:+--update}
+bitstream: $(if $(BOARD),$(call stamp,boards))  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all; UPDATE=1 the table
+	@[ -n "$${BOARD-}" ] || { echo "bitstream: BOARD=icebreaker, hx8k, ulx3s, tangnano9k or all" >&2; exit 2; }
+	@$(PY) tb/tools/bitstream.py "$$BOARD" $${UPDATE:+--update}
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
 	@$(PY) tb/tools/waves.py "$${T-}"
