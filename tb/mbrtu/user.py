@@ -63,6 +63,8 @@ class User:
             if not int(dut.user_req_o.value):
                 await RisingEdge(dut.user_req_o)
             await RisingEdge(dut.clk_i)
+            if not int(dut.user_req_o.value):
+                continue  # gates: its inputs have not changed all at once; at the clock it counts
             request = await self._fetch()
             self.offers.append(request)
             await self._serve(request)
