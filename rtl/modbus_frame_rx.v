@@ -82,7 +82,10 @@ module modbus_frame_rx (
   wire for_all   = none & broadcast_en_i;
   wire for_us    = for_all | ((byte_i == address_i) & ~none & (address_i[7:3] != 5'h1F));
 
-  assign open_stb_o  = (state_q == ST_IDLE) & start_stb_i;
+  // The next frame may begin while somebody else's is still being looked at.
+  wire foreign = decide_q & ~for_us_q;
+
+  assign open_stb_o  = ((state_q == ST_IDLE) & start_stb_i) | (foreign & heard);
   assign store_stb_o = store_q;
 
   always @* begin
@@ -95,7 +98,10 @@ module modbus_frame_rx (
       // Characters of one frame, until t3.5 of silence.
       ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
       // The frame is worked on and answered; first of all, whose is it?
-      ST_WORK: if (done_stb_i || (decide_q && !for_us_q)) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+      ST_WORK: begin
+        if (foreign)         state_d = heard ? ST_RECEPTION : ST_IDLE;
+        else if (done_stb_i) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+      end
     endcase
   end
 
@@ -127,7 +133,7 @@ module modbus_frame_rx (
   assign look_stb_o    = look_q;
   assign good_stb_o    = decide_q & for_us_q;
   assign broadcast_o   = for_all_q;
-  assign foreign_stb_o = decide_q & ~for_us_q;
+  assign foreign_stb_o = foreign;
   assign bad_stb_o     = verdict & ~good;
   assign active_o      = reception;
   assign err_parity_o  = verdict & parity_q;
@@ -183,7 +189,7 @@ module modbus_frame_rx (
     if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247));
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
     if ($past(good_stb_o) && !$past(rst_i | restart_i | done_stb_i)) assert (state_q == ST_WORK);
-    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good);
+    if (state_q == ST_WORK) assert (!store_stb_o && (!open_stb_o || foreign_stb_o) && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
     cover (err_overrun_o);

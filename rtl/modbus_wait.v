@@ -7,7 +7,7 @@
 
 module modbus_wait (
   input  wire        clk_i,
-  input  wire        bit_stb_i,
+  input  wire        bit_stb_i,      // strobe: a bit ends; not in two clocks in a row
   input  wire        clear_i,        // level : begin again at 0
   input  wire [15:0] limit_i,        // bit times
   output wire        over_o          // level : the limit is reached, a clock later; with limit 0 a clock behind clear_i
