@@ -109,7 +109,7 @@ module modbus_data_access #(
   reg [15:0] less_one_q;             // quantity - 1: what the last address and the byte count need
   reg [15:0] last_q;
   reg        over_q, in_limit_q, bytes_fit_q;
-  reg [7:0]  held_q;
+  reg [7:0]  held_q = 8'd0;         // a literal may come before the first byte: no X in a simulation
   reg [2:0]  bit_q;
   reg        ended_q;                // the last item is through
   reg        keep_q = 1'b0;
