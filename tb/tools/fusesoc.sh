@@ -36,7 +36,7 @@ for target in lint sim; do fusesoc "$target"; done
 board icebreaker "--up5k --package sg48 --pcf"
 board hx8k "--hx8k --package ct256 --pcf"
 board ulx3s "--85k --package CABGA381 --lpf"
-board tangnano9k "--device GW1NR-LV9QN88PC6/I5 --vopt family=GW1N-9C --vopt cst="
+board tangnano9k "--device GW1NR-LV9QN88PC6/I5 --vopt family=GW1N-9C --freq 27 --vopt cst="
 board arty_a7 xc7a35ticsg324-1L
 board de10_lite 10M50DAF484C7G
 
