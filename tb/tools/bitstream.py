@@ -14,18 +14,15 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from common import ROOT, rtl_files
+from common import ROOT, ToolError, rtl_files, run
 
 OUT = Path("build/bitstream")  # relative: the YoWASP tools cannot see every absolute path
 PAGE = ROOT / "docs/boards.md"
 SEED = "1"
-LIMIT_S = 600
 SOURCE_ONLY = ("arty_a7", "de10_lite")
 
 
@@ -86,10 +83,6 @@ BOARDS = {
 }
 
 
-class ToolError(RuntimeError):
-    """A tool failed; the message holds what it said of it."""
-
-
 def sources(board: str) -> list[str]:
     """The Verilog files of a board, relative to the root."""
     return [*rtl_files(), "constraints/common/modbus_board.v", f"constraints/{board}/{board}_top.v"]
@@ -99,21 +92,6 @@ def clock_hz(board: str) -> int:
     """CLK_HZ of the board's top."""
     text = (ROOT / f"constraints/{board}/{board}_top.v").read_text()
     return int(re.search(r"parameter integer CLK_HZ\s*=\s*(\d+)", text).group(1))
-
-
-def run(command: list[str], log: Path) -> None:
-    """Run a command from the root with its output in `log`; ToolError when it fails."""
-    beside = Path(sys.executable).parent / command[0]
-    program = str(beside) if beside.exists() else shutil.which(command[0])
-    if program is None:
-        raise ToolError(f"{command[0]} is not installed; make bitstream installs it")
-    with (ROOT / log).open("w") as handle:
-        done = subprocess.run(
-            [program, *command[1:]], cwd=ROOT, stdout=handle, stderr=subprocess.STDOUT, timeout=LIMIT_S
-        )
-    if done.returncode:
-        lines = (ROOT / log).read_text(errors="replace").splitlines()
-        raise ToolError(f"{log}:\n" + "\n".join([line for line in lines if "ERROR" in line] or lines[-10:]))
 
 
 class Figures(NamedTuple):
@@ -182,7 +160,7 @@ def main() -> int:
             print(line, flush=True)
             if "--update" in sys.argv[2:]:
                 update(name, figures)
-        except (ToolError, subprocess.TimeoutExpired) as error:
+        except ToolError as error:
             failed += 1
             print(f"bitstream: {name} failed: {error}", file=sys.stderr)
     return 1 if failed else 0

@@ -17,9 +17,7 @@ from __future__ import annotations
 import importlib.metadata as metadata
 import json
 import re
-import shutil
 import statistics
-import subprocess
 import sys
 from dataclasses import dataclass
 from dataclasses import field as member
@@ -29,16 +27,12 @@ import synth_parts
 from synth_devices import DEVICES, FAMILIES, Device, Family
 from synth_profiles import LEFT_OPEN, OPEN
 
-from common import DROP_INS, ROOT, rtl_files
+from common import DROP_INS, ROOT, ToolError, rtl_files, run
 
 OUT = Path("build/synth")  # relative: the YoWASP tools cannot see every absolute path
 SEEDS = (1, 2, 3)
 DIRECT = re.compile(r"^(clk|rst|rxd)(_i)?$")  # inputs that stay pins
 FOLDED = "fold_o"
-
-
-class ToolError(RuntimeError):
-    """A tool failed; the message holds the end of what it said."""
 
 
 @dataclass(frozen=True)
@@ -54,27 +48,6 @@ class Design:
 def bank_design(bank: str, parameters: dict[str, str], ties: dict[str, int]) -> Design:
     """The drop-in with this bank as a design."""
     return Design(DROP_INS[bank], parameters, ties, bank in LEFT_OPEN)
-
-
-def tool(name: str) -> str | None:
-    """Path of an installed front end: beside this interpreter first, then on PATH; None without it."""
-    beside = Path(sys.executable).parent / name
-    return str(beside) if beside.exists() else shutil.which(name)
-
-
-def run(command: list[str], log: Path, limit_s: int = 900) -> str:
-    """Run a command from the root, its output in `log`; ToolError when it fails."""
-    with open(ROOT / log, "w") as handle:
-        try:
-            done = subprocess.run(command, cwd=ROOT, stdout=handle, stderr=subprocess.STDOUT, timeout=limit_s)
-        except subprocess.TimeoutExpired as error:
-            raise ToolError(f"{log}: not finished after {limit_s} s") from error
-    text = (ROOT / log).read_text(errors="replace")
-    if done.returncode:
-        lines = text.splitlines()
-        said = [line for line in lines if "ERROR" in line] or lines[-15:]
-        raise ToolError(f"{log} ends in failure:\n" + "\n".join(said))
-    return text
 
 
 def yosys(script: list[str], log: Path) -> str:
@@ -231,11 +204,8 @@ def still_shifted(netlist: dict) -> int:
 
 def route(name: str, device: Device, net: Path, work: Path, seed: int) -> tuple[int, float]:
     """Place and route with one seed: (what `lc` is taken from, Fmax in MHz or 0 without a clock)."""
-    program = tool(device.router[0])
-    if not program:
-        raise ToolError(f"{device.router[0]} is not installed; make synth installs what it needs")
     base = f"{work}/{name}_seed{seed}"
-    command = [program, *device.router[1:], "--json", str(net), "--seed", str(seed)]
+    command = [*device.router, "--json", str(net), "--seed", str(seed)]
     command += ["--freq", str(device.target_mhz), "--timing-allow-fail"]
     command += [device.output, f"{base}.out", "--report", f"{base}.json"]
     run(command, Path(f"{base}.log"))
@@ -276,7 +246,7 @@ def measure(
 def parts(work: Path) -> dict[str, dict[str, int]]:
     """{module: counts} of the iCE40 design synthesised in `work`, packed but not placed: no seed changes it."""
     device = DEVICES["ice40-hx8k"]
-    command = [str(tool(device.router[0])), *device.router[1:], "--json", f"{work}/net.json"]
+    command = [*device.router, "--json", f"{work}/net.json"]
     run([*command, "--pack-only", "--write", f"{work}/packed.json"], work / "pack.log")
     netlist = read_json(work / "net.json")["modules"]["synth_top"]
     (packed,) = read_json(work / "packed.json")["modules"].values()
