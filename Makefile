@@ -21,15 +21,15 @@ endif
 # --- what a target needs, installed on demand -----------------------------------------------------
 # The recipes always run, look first, and leave a stamp that is right as it is; so nothing is rebuilt
 # for nothing, and a removed package is noticed.
-HASH := $(shell tb/tools/bootstrap.sh hash)
+HASH := $(shell tools/bootstrap.sh hash)
 stamp = .venv/$(1)-$(HASH).ok
 APT_STAMP := $(call stamp,apt-demo)
 VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
-	@tb/tools/bootstrap.sh apt demo
+	@tools/bootstrap.sh apt demo
 $(foreach set,demo test lint formal fpga ecp5 boards fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
-	@tb/tools/bootstrap.sh venv $*
+	@tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
 .PHONY: help demo serve test lint formal synth bitstream waves mistakes fusesoc clean
@@ -48,29 +48,29 @@ test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FUL
 	esac; exec $(PY) -m pytest "$$@"
 
 lint: $(call stamp,lint)  ## every linter over every module and parameter set; T=module selects
-	@$(PY) tb/tools/lint.py $${T:+"$$T"}
+	@$(PY) tools/lint.py $${T:+"$$T"}
 
 formal: $(call stamp,formal)  ## proofs and covers; T=module selects
-	@$(PY) tb/tools/formal.py $${T:+"$$T"}
+	@$(PY) tools/formal.py $${T:+"$$T"}
 
 mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests must catch each
-	@$(PY) tb/mistakes.py $${T:+"$$T"}
+	@$(PY) tools/mistakes.py $${T:+"$$T"}
 
 ##@ Look
 synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md
-	@$(PY) tb/tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
+	@$(PY) tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
 	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
 
 bitstream: $(if $(BOARD),$(call stamp,boards))  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all; UPDATE=1 the table
 	@[ -n "$${BOARD-}" ] || { echo "bitstream: BOARD=icebreaker, hx8k, ulx3s, tangnano9k or all" >&2; exit 2; }
-	@$(PY) tb/tools/bitstream.py "$$BOARD" $${UPDATE:+--update}
+	@$(PY) tools/bitstream.py "$$BOARD" $${UPDATE:+--update}
 
 waves: $(call stamp,test)  ## run the tests T=name with waveforms, open them in GTKWave where there is one
-	@$(PY) tb/tools/waves.py "$${T-}"
+	@$(PY) tools/waves.py "$${T-}"
 
 ##@ Other
 fusesoc: $(call stamp,fusesoc) $(call stamp,lint)  ## the FuseSoC targets: lint and sim run, the boards are set up
-	@tb/tools/fusesoc.sh
+	@tools/fusesoc.sh
 
 clean:  ## remove build products (.venv stays)
 	@rm -rf build

@@ -3,7 +3,7 @@
 # Copyright (c) 2026 the project contributors
 """Play the printed examples of the Modbus documents against the live device, and draw one of them.
 
-Each example of tb/vectors.json gets a device of its own, loaded with what the example presumes; counts that it
+Each example of tb/protocol/vectors.json gets a device of its own, loaded with what the example presumes; counts that it
 presumes are brought about by real traffic. pymodbus asks, as any master would; the bytes it sends and receives are
 compared with the printed ones, and what the request should have changed, counted and logged is read back. A story
 of what goes wrong on a line ends it. Exit status 0 only if everything was as expected.
@@ -19,15 +19,15 @@ sys.path.insert(0, str(ROOT / "tb"))
 
 import words_special as special  # noqa: E402
 from master import TRACE, Failure, Master, NoDevice, device  # noqa: E402
-from mbrtu import vectors  # noqa: E402
-from mbrtu.defs import DIAGNOSTIC_FUNCTIONS, EX, FC, OVERRUN_FLAG, Space  # noqa: E402
-from mbrtu.frames import adu, bad_crc, bare, read, text, write_coil  # noqa: E402
-from mbrtu.memory import Config  # noqa: E402
-from mbrtu.model import Slave  # noqa: E402
-from mbrtu.pdm import Event, EventRecords  # noqa: E402
+from protocol import vectors  # noqa: E402
+from protocol.defs import DIAGNOSTIC_FUNCTIONS, EX, FC, OVERRUN_FLAG, Space  # noqa: E402
+from protocol.frames import adu, bad_crc, bare, read, text, write_coil  # noqa: E402
+from protocol.memory import Config  # noqa: E402
+from protocol.model import Slave  # noqa: E402
+from protocol.pdm import Event, EventRecords  # noqa: E402
+from protocol.words import answer, request, span, values  # noqa: E402
 from story import tell  # noqa: E402
 from waveform import draw  # noqa: E402
-from words import answer, request, span, values  # noqa: E402
 
 PICTURE = ROOT / "build" / "demo.svg"
 DRAWN = "S000-FIG14-15"

@@ -2,7 +2,7 @@
 # Copyright (c) 2026 the project contributors
 """What the demo plays with: live devices, and a master that speaks through pymodbus.
 
-A reference slave (tb/mbrtu/model.py) hears every frame as well, so that what the device should say is known
+A reference slave (tb/protocol/model.py) hears every frame as well, so that what the device should say is known
 for any traffic, its counters and log included.
 """
 
@@ -14,7 +14,7 @@ import sys
 import time
 from pathlib import Path
 
-from mbrtu.defs import (
+from protocol.defs import (
     ALL_COUNTERS,
     COUNTERS,
     FC,
@@ -27,7 +27,7 @@ from mbrtu.defs import (
     Space,
     Sub,
 )
-from mbrtu.frames import adu, sealed, text, unpack_bits, unpack_words
+from protocol.frames import adu, sealed, text, unpack_bits, unpack_words
 from pymodbus.client import ModbusSerialClient
 from pymodbus.exceptions import ModbusException
 from pymodbus.pdu.file_message import FileRecord, ReadFifoQueueResponse

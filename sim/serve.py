@@ -23,6 +23,7 @@ from pathlib import Path
 from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load
 
 ROOT = Path(__file__).resolve().parents[1]
+LISTS = ("rtl/modbus.f", "examples/examples.f")  # files of the core, and what is built around it
 CACHE = ROOT / "build" / "live"
 
 CLOCK_HZ = 1_843_200  # divides 9600 to 115200 baud without rest, and 2 cores simulate it in passing
@@ -166,11 +167,12 @@ def check_link(link):
 
 
 def sources():
-    """Arguments from rtl/modbus.f, and every file they can draw in."""
-    listed = (ROOT / "rtl" / "modbus.f").read_text().split()
-    files = [ROOT / name for name in listed if not name.startswith(("+", "-"))]
+    """Every file that a build can draw in."""
+    listed = [word for name in LISTS for word in (ROOT / name).read_text().split()]
+    files = [ROOT / name for name in listed if not name.startswith("+")]
+    folders = [ROOT / name.removeprefix("+incdir+") for name in listed if name.startswith("+")]
     own = [path for pattern in ("modbus_live*.v", "*.cpp", "*.h") for path in (ROOT / "sim").glob(pattern)]
-    return sorted({*files, *(ROOT / "rtl").glob("*.vh"), *own})
+    return sorted({*files, *(path for folder in folders for path in folder.glob("*.vh")), *own})
 
 
 def compiled(top, values):
@@ -180,7 +182,8 @@ def compiled(top, values):
         *("--language", "1364-2005", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
         *("--top-module", top, "--prefix", "Vslave", "-o", "bridge"),
         *("-MAKEFLAGS", "OPT_FAST=-O3", "-CFLAGS", f"-std=c++17 -DCLOCK_HZ={CLOCK_HZ}"),
-        *("-f", "rtl/modbus.f", f"sim/{top}.v", str(ROOT / "sim" / "bridge.cpp")),
+        *(word for name in LISTS for word in ("-f", name)),
+        *(f"sim/{top}.v", str(ROOT / "sim" / "bridge.cpp")),
         *(f"-G{name}={value}" for name, value in values.items()),
     ]
     digest = hashlib.sha256(" ".join(command).encode())

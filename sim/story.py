@@ -4,11 +4,11 @@
 
 import words_special as special
 from master import Failure, Master, NoDevice, device
-from mbrtu.defs import FC
-from mbrtu.frames import bad_crc, diagnostics, read, restart, text, write_register
-from mbrtu.memory import Config
-from mbrtu.model import Slave
-from words import answer, request
+from protocol.defs import FC
+from protocol.frames import bad_crc, diagnostics, read, restart, text, write_register
+from protocol.memory import Config
+from protocol.model import Slave
+from protocol.words import answer, request
 
 BAUD = 19200
 FOREIGN, OUTSIDE = 18, 5000

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 TB = Path(__file__).resolve().parent
-sys.path.insert(0, str(TB))
-# cocotb starts the simulator with this path, so that it finds mbrtu and the test modules.
+sys.path[:0] = [str(TB), str(TB.parent / "tools")]
+# cocotb starts the simulator with this path, so that it finds harness, protocol and the test modules.
 os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 SEED = int(os.environ.get("SEED", "1"), 0)
@@ -76,7 +76,7 @@ def pytest_sessionfinish(session):
 
     Only the process that all results come to knows that. It counts as one more test.
     """
-    from mbrtu import conformance
+    from harness import conformance
 
     config = session.config
     reporter = config.pluginmanager.get_plugin("terminalreporter")

@@ -8,12 +8,12 @@ import shutil
 import subprocess
 import sys
 
+import bitstream
 import pytest
-from mbrtu.runner import ROOT, TB, run, sources
+from harness.runner import ROOT, run, sources
 from system.board_pins import PINS
 
-sys.path.insert(0, str(TB / "tools"))
-import bitstream
+from common import include_files
 
 FOLDER = ROOT / "constraints"
 BOARDS = [top.removesuffix("_top") for top in PINS]
@@ -136,7 +136,7 @@ def test_behaviour_at_the_pins(record_property, board):
 def test_make_bitstream_refuses_what_it_cannot_build(board):
     """Exit 2 and one line that lists the boards."""
     done = subprocess.run(
-        [sys.executable, "tb/tools/bitstream.py", board], capture_output=True, text=True, cwd=ROOT, check=False
+        [sys.executable, "tools/bitstream.py", board], capture_output=True, text=True, cwd=ROOT, check=False
     )
     assert done.returncode == 2, done
     assert len(done.stderr.splitlines()) == 1, done.stderr
@@ -146,7 +146,7 @@ def test_make_bitstream_refuses_what_it_cannot_build(board):
 
 
 def test_synchroniser_constraints_name_registers_that_exist():
-    rtl = (ROOT / "rtl/modbus_sync.v").read_text(encoding="utf-8")
+    rtl = (ROOT / "rtl/line/modbus_sync.v").read_text(encoding="utf-8")
     registers = set(re.findall(r"\breg (\w+) =", rtl))
     xdc = (FOLDER / "sync/modbus_sync.xdc").read_text(encoding="utf-8")
     sdc = (FOLDER / "sync/modbus_sync.sdc").read_text(encoding="utf-8")
@@ -200,7 +200,7 @@ def test_vivado_project_has_every_source():
     done = subprocess.run(["tclsh"], input=script, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and not done.stderr, done.stderr
     files = sorted(line.removeprefix("file ") for line in done.stdout.splitlines() if line.startswith("file "))
-    headers = [str(path.relative_to(ROOT)) for path in (ROOT / "rtl").glob("*.vh")]
+    headers = include_files()
     constraints = ["constraints/arty_a7/arty_a7.xdc", "constraints/sync/modbus_sync.xdc"]
     wanted = [*bitstream.sources("arty_a7"), *headers, *constraints]
     assert files == sorted(str(ROOT / name) for name in wanted)

@@ -7,8 +7,8 @@ import shutil
 import subprocess
 
 import pytest
-from mbrtu.build import NO_FLOORS, REFERENCE
-from mbrtu.runner import ROOT, run
+from harness.build import NO_FLOORS, REFERENCE
+from harness.runner import ROOT, run, source_of
 
 MASTER, SLAVE = "bus_master_bench", "axil_slave_bench"
 MAPPED = {**NO_FLOORS, **REFERENCE}
@@ -38,7 +38,7 @@ SUITES = {
 @pytest.mark.parametrize("suite", SUITES)
 def test_buses(record_property, suite, seed):
     top, parameters, module, only = SUITES[suite]
-    run(record_property, "icarus", top, f"buses.{module}", parameters, {"BENCH_SEED": str(seed)}, only, suite)
+    run(record_property, "icarus", top, f"bus.{module}", parameters, {"BENCH_SEED": str(seed)}, only, suite)
 
 
 # ------------------------------------------------------------------ the document and the header
@@ -51,7 +51,7 @@ WINDOW = 0x40000  # bytes of a table
 def test_parameters_are_those_of_the_rtl():
     """Names and defaults on the page; what stands there as one row is what other banks have too."""
     for module in ("modbus_axil_master", "modbus_axil_slave"):
-        text = (ROOT / "rtl" / f"{module}.v").read_text(encoding="utf-8")
+        text = source_of(module).read_text(encoding="utf-8")
         head = text[: text.index(") (")]
         declared = dict(re.findall(r"parameter\s+(?:integer|\[31:0\])\s+(\w+)\s*=\s*([\w']+)", head))
         page = PAGE.read_text(encoding="utf-8")
@@ -67,7 +67,7 @@ def test_map_is_one_map():
     page, header = PAGE.read_text(encoding="utf-8"), HEADER.read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([^|,]+?)(?:,[^|]*)? \| (\d) \| ([0-9A-F]{6})H(?: \+ 4n)? \| ?(?:`(\w+)`)?", page, re.M)
     assert [int(space) for _, space, *_ in rows] == [*range(5), 7], rows
-    rtl = (ROOT / "rtl" / "modbus_axil_master.v").read_text(encoding="utf-8")
+    rtl = source_of("modbus_axil_master").read_text(encoding="utf-8")
     macros = ("COILS", "DISCRETES", "INPUTS", "HOLDINGS", "FILES", "HOLD")
     for (_, space, offset, parameter), macro in zip(rows, macros, strict=True):
         place = int(offset, 16)

@@ -10,8 +10,7 @@ import re
 import pytest
 import test_modules
 import test_system
-from mbrtu.conformance import DOCUMENT, Row, existing, outcomes, rows, unshown
-from mbrtu.runner import TB
+from harness.conformance import DOCUMENT, Row, existing, outcomes, rows, unshown
 
 SOURCES = re.compile(r"(AP|SL|RG|PDM) \S.*|decided here")
 ON_THE_RTL = {"test_differential", "test_timing", "test_live", "test_functions"}  # of the suites of pytest
@@ -81,7 +80,7 @@ def test_a_row_without_a_test_is_noticed(cell):
 
 
 def test_function_table_of_the_readme(monkeypatch):
-    monkeypatch.syspath_prepend(str(TB / "tools"))
+
     import function_table
 
-    assert not function_table.stale(), "run tb/tools/function_table.py --update"
+    assert not function_table.stale(), "run tools/function_table.py --update"

@@ -5,7 +5,7 @@
 import re
 
 import pytest
-from mbrtu.runner import ROOT
+from harness.runner import ROOT
 from test_parameters import DERIVED, elaborate, header
 
 PDM, USER = "modbus_pdm_meter", "modbus_example_user"

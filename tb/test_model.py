@@ -5,10 +5,11 @@
 import random
 
 import pytest
-from mbrtu import build, frames, vectors, wave
-from mbrtu.defs import ALL_FUNCTIONS, FC, FORMAT_BY_NAME, FORMATS, FUNCTIONS, LONGEST_PDU, Limits, Space
-from mbrtu.model import Config, Slave
-from mbrtu.traffic import Traffic
+from harness import build, wave
+from harness.traffic import Traffic
+from protocol import frames, vectors
+from protocol.defs import ALL_FUNCTIONS, FC, FORMAT_BY_NAME, FORMATS, FUNCTIONS, LONGEST_PDU, Limits, Space
+from protocol.model import Config, Slave
 
 BIT = 1000
 

@@ -3,9 +3,9 @@
 """The reference slave's counters, event log, listen-only mode and restart, rule by rule."""
 
 import pytest
-from mbrtu import frames
-from mbrtu.defs import ALL_COUNTERS, ALL_FUNCTIONS, COUNTERS, DIAGNOSTIC_FUNCTIONS, EX, FC, LOG_SIZE, Space, Sub
-from mbrtu.model import Config, Slave
+from protocol import frames
+from protocol.defs import ALL_COUNTERS, ALL_FUNCTIONS, COUNTERS, DIAGNOSTIC_FUNCTIONS, EX, FC, LOG_SIZE, Space, Sub
+from protocol.model import Config, Slave
 
 OWN, OTHER, ALL = 17, 18, 0
 READ = frames.read(FC.READ_HOLDINGS, 0, 1)

@@ -3,9 +3,9 @@
 """The reference slave's functions that the printed examples do not exhaust: identity, files, queue, user."""
 
 import pytest
-from mbrtu import frames
-from mbrtu.defs import ALL_FUNCTIONS, CONFORMITIES, EX, FC, FUNCTIONS, LONGEST_PDU, Space
-from mbrtu.model import Config, Slave
+from protocol import frames
+from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, EX, FC, FUNCTIONS, LONGEST_PDU, Space
+from protocol.model import Config, Slave
 
 OWN, ALL = 17, 0
 

@@ -3,9 +3,9 @@
 """Each module alone, in cocotb with Icarus: which module, with which parameters, by which tests."""
 
 import pytest
-from mbrtu.build import table_parameters
-from mbrtu.defs import Space
-from mbrtu.runner import run
+from harness.build import table_parameters
+from harness.runner import run
+from protocol.defs import Space
 
 TABLES = table_parameters(
     {
@@ -20,34 +20,34 @@ SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
 
 # name: (top, parameters, cocotb module)
 MODULES = {
-    "sync": ("modbus_sync", {}, "sync"),
-    "uart_rx": ("rx_bench", {}, "uart_rx"),
-    "uart_tx": ("tx_bench", {}, "uart_tx"),
-    "crc16": ("modbus_crc16", {}, "crc16"),
-    "line_timer_characters": ("modbus_line_timer", {"T15_CLOCKS": 0, "T35_CLOCKS": 0}, "line_timer"),
-    "line_timer_floors": ("modbus_line_timer", {"T15_CLOCKS": 301, "T35_CLOCKS": 777}, "line_timer"),
-    "line_timer_between": ("modbus_line_timer", {"T15_CLOCKS": 10, "T35_CLOCKS": 400}, "line_timer"),
-    "frame_rx": ("modbus_frame_rx", {}, "frame_rx"),
-    "wait": ("modbus_wait", {}, "timers"),
-    "alive": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 7}, "alive"),
-    "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "alive"),
-    "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "alive"),
-    "bank_guard": ("modbus_bank_guard", {**TABLES, **SOME_READ_ONLY}, "bank_guard"),
+    "sync": ("modbus_sync", {}, "line.sync"),
+    "uart_rx": ("rx_bench", {}, "line.uart_rx"),
+    "uart_tx": ("tx_bench", {}, "line.uart_tx"),
+    "crc16": ("modbus_crc16", {}, "line.crc16"),
+    "line_timer_characters": ("modbus_line_timer", {"T15_CLOCKS": 0, "T35_CLOCKS": 0}, "line.line_timer"),
+    "line_timer_floors": ("modbus_line_timer", {"T15_CLOCKS": 301, "T35_CLOCKS": 777}, "line.line_timer"),
+    "line_timer_between": ("modbus_line_timer", {"T15_CLOCKS": 10, "T35_CLOCKS": 400}, "line.line_timer"),
+    "frame_rx": ("modbus_frame_rx", {}, "line.frame_rx"),
+    "wait": ("modbus_wait", {}, "line.timers"),
+    "alive": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 7}, "line.alive"),
+    "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "line.alive"),
+    "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "line.alive"),
+    "bank_guard": ("modbus_bank_guard", {**TABLES, **SOME_READ_ONLY}, "bank.bank_guard"),
     "bank_guard_whole": (
         "modbus_bank_guard",
         {**table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536))), "READ_ONLY_COUNT": 65536},
-        "bank_guard",
+        "bank.bank_guard",
     ),
-    "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank_guard"),
-    "bank_ram": ("modbus_bank_ram", TABLES, "bank_bus"),
-    "bank_io": ("modbus_bank_io", {}, "bank_bus"),
-    "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "example_user"),
-    "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "pdm_record"),
-    "pdm_record_4": ("modbus_pdm_record", {"DEPTH": 4}, "pdm_record"),
+    "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank.bank_guard"),
+    "bank_ram": ("modbus_bank_ram", TABLES, "bank.bank_bus"),
+    "bank_io": ("modbus_bank_io", {}, "bank.bank_bus"),
+    "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "examples.example_user"),
+    "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "examples.pdm_record"),
+    "pdm_record_4": ("modbus_pdm_record", {"DEPTH": 4}, "examples.pdm_record"),
 }
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_module(record_property, name):
     top, parameters, module = MODULES[name]
-    run(record_property, "icarus", top, f"modules.{module}", parameters, own=f"module_{name}")
+    run(record_property, "icarus", top, module, parameters, own=f"module_{name}")

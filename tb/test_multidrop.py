@@ -3,9 +3,9 @@
 """Many slaves on one two-wire line, their drivers resolved in Verilog: levels 0, 1, and neither."""
 
 from conftest import FULL
-from mbrtu.build import NO_FLOORS, function_mask
-from mbrtu.defs import DIAGNOSTIC_FUNCTIONS, FC
-from mbrtu.runner import run
+from harness.build import NO_FLOORS, function_mask
+from harness.runner import run
+from protocol.defs import DIAGNOSTIC_FUNCTIONS, FC
 
 PLAIN = (FC.READ_COILS, FC.READ_HOLDINGS, FC.WRITE_COIL, FC.WRITE_REGISTER, FC.WRITE_COILS, FC.WRITE_REGISTERS)
 BUILD = {

@@ -7,16 +7,13 @@ none, or in a short time. Gates simulate 60 to 100 characters a second, so the u
 FULL=1 plays everything that needs no more than the ports.
 """
 
-import sys
 
 import pytest
 from conftest import FULL
-from mbrtu.build import NO_FLOORS
-from mbrtu.runner import TB, run
-from test_system import IO, SLAVE, SUITES
-
-sys.path.append(str(TB / "tools"))
+from harness.build import NO_FLOORS
+from harness.runner import run
 from synth import PROFILES
+from test_system import IO, SLAVE, SUITES
 
 SHORT_FLOORS = {"CLK_HZ": 250_000}  # 187 and 437 clocks: a little more than 1.5 and 3.5 characters of 8 clocks a bit
 

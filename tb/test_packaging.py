@@ -14,7 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from mbrtu.runner import ROOT
+from harness.runner import ROOT
 from test_parameters import documented, header
 
 STUBS = ROOT / "tb" / "packaging"
@@ -23,6 +23,7 @@ QUARTUS = "constraints/quartus/modbus_rtu_slave.qip"
 CORE = "modbus_rtu_slave.core"
 IPS = ("modbus_rtu_slave", "modbus_axil_slave")
 CONNECTED = {"clk_i", "rst_i", "rxd_i", "address_i", "bit_time_i"}  # inputs without an idle value
+INCLUDES = ("rtl/include", "rtl/engine")
 BOARDS = ("icebreaker", "hx8k", "ulx3s", "tangnano9k", "arty_a7", "de10_lite")
 
 # ------------------------------------------------------------------ reading the lists
@@ -30,7 +31,7 @@ BOARDS = ("icebreaker", "hx8k", "ulx3s", "tangnano9k", "arty_a7", "de10_lite")
 
 def present(root, *suffixes):
     """The files of rtl/ with one of `suffixes`, as paths from `root`, sorted."""
-    return sorted(f"rtl/{path.name}" for path in (root / "rtl").iterdir() if path.suffix in suffixes)
+    return sorted(path.relative_to(root).as_posix() for path in (root / "rtl").rglob("*") if path.suffix in suffixes)
 
 
 def tcl(*arguments):
@@ -45,7 +46,7 @@ def tcl(*arguments):
 def list_f(root):
     """Verilog files of rtl/modbus.f."""
     lines = (root / "rtl/modbus.f").read_text(encoding="utf-8").split("\n")
-    assert "+incdir+rtl" in lines
+    assert [line for line in lines if line.startswith("+")] == [f"+incdir+{folder}" for folder in INCLUDES]
     return [line.strip() for line in lines if line.strip() and not line.startswith(("+", "//"))]
 
 
@@ -82,7 +83,7 @@ def list_qip(root):
             continue
         assert Path(path).suffix == kinds[kind], line
         files.append(Path(path).relative_to(root.resolve()).as_posix())
-    assert searched == [str(root.resolve() / "rtl")]
+    assert searched == [str(root.resolve() / folder) for folder in INCLUDES]
     return files
 
 
@@ -150,7 +151,7 @@ def test_a_file_that_is_not_listed_is_noticed(name, copy):
 
 
 @pytest.mark.parametrize("name", LISTS)
-@pytest.mark.parametrize("line", ["modbus_sync.v", "modbus_example_soc_axil.v", "modbus_steps.vh"])
+@pytest.mark.parametrize("line", ["line/modbus_sync.v", "bus/modbus_axil_slave.v", "engine/modbus_steps.vh"])
 def test_a_line_that_lacks_is_noticed(name, line, copy):
     """The Vivado script takes the .v from rtl/modbus.f and whatever .vh there is."""
     path = copy / ("rtl/modbus.f" if name == VIVADO else name)
@@ -170,13 +171,13 @@ def test_a_line_too_many_is_noticed(name, copy):
     text = path.read_text(encoding="utf-8")
     line = next(text for text in text.splitlines(keepends=True) if "/modbus_sync.v" in text)
     path.write_text(text.replace(line, line + line), encoding="utf-8")
-    assert difference(name, copy) == ([], ["rtl/modbus_sync.v"])
+    assert difference(name, copy) == ([], ["rtl/line/modbus_sync.v"])
     path.write_text(text.replace(line, line + line.replace("modbus_sync.v", "modbus_gone.v")), encoding="utf-8")
     if name == VIVADO:
         with pytest.raises(AssertionError, match=r"no file .*modbus_gone\.v"):
             difference(name, copy)
     else:
-        assert difference(name, copy) == ([], ["rtl/modbus_gone.v"])
+        assert difference(name, copy) == ([], ["rtl/line/modbus_gone.v"])
 
 
 # ------------------------------------------------------------------ FuseSoC

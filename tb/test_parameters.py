@@ -7,9 +7,9 @@ import shutil
 import subprocess
 
 import pytest
-from mbrtu.build import config_parameters, for_simulator, function_mask, text_value
-from mbrtu.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
-from mbrtu.runner import ROOT, RTL, sources
+from harness.build import config_parameters, for_simulator, function_mask, text_value
+from harness.runner import ROOT, source_of, sources
+from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
 TOPS = (SLAVE, IO, CORE)
@@ -156,7 +156,7 @@ def test_illegal_parameters_stop_elaboration(tool, case):
 
 def header(top):
     """(parameters {name: default text}, ports {name: (direction, width text)}) of a module."""
-    text = (RTL / f"{top}.v").read_text(encoding="utf-8")
+    text = source_of(top).read_text(encoding="utf-8")
     text = re.sub(r"//.*", "", text)
     text = text[re.search(rf"\bmodule\s+{top}\b", text).end() :]
     head = text[: text.index(");")]

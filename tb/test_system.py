@@ -3,10 +3,10 @@
 """The whole slave in cocotb: which build runs which topics, on which simulator."""
 
 import pytest
-from mbrtu import vectors
-from mbrtu.build import NO_FLOORS, REFERENCE, config_parameters, function_mask, table_parameters
-from mbrtu.defs import ALL_FUNCTIONS, CONFORMITIES, DIAGNOSTIC_FUNCTIONS, FC, FILE_FUNCTIONS, Space
-from mbrtu.runner import run
+from harness.build import NO_FLOORS, REFERENCE, config_parameters, function_mask, table_parameters
+from harness.runner import run
+from protocol import vectors
+from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, DIAGNOSTIC_FUNCTIONS, FC, FILE_FUNCTIONS, Space
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
 PDM = "modbus_pdm_meter"

@@ -24,10 +24,10 @@ foreach line [split [read $handle] "\n"] {
   if {$line ne "" && ![string match "+*" $line]} { add_files -norecurse $root/$line }
 }
 close $handle
-add_files -norecurse [glob $root/rtl/*.vh]
+add_files -norecurse [glob $root/rtl/include/*.vh $root/rtl/engine/*.vh]
 add_files -norecurse $root/constraints/common/modbus_board.v
 add_files -norecurse $here/arty_a7_top.v
-set_property include_dirs $root/rtl [current_fileset]
+set_property include_dirs [list $root/rtl/include $root/rtl/engine] [current_fileset]
 set_property top arty_a7_top [current_fileset]
 
 add_files -fileset constrs_1 -norecurse $here/arty_a7.xdc

@@ -97,7 +97,7 @@ proc modbus_sources {root} {
 }
 
 proc modbus_headers {root} {
-  return [lsort [glob -directory [file join $root rtl] *.vh]]
+  return [lsort [glob -directory [file join $root rtl] include/*.vh engine/*.vh]]
 }
 
 proc modbus_version {root} {
@@ -134,7 +134,7 @@ proc modbus_package {root out vendor top title text parameters idle} {
   create_project -force package_$top [file join $root build vivado package_$top]
   add_files -norecurse [concat [modbus_sources $root] [modbus_headers $root]]
   set_property file_type "Verilog Header" [get_files [modbus_headers $root]]
-  set_property include_dirs [file join $root rtl] [current_fileset]
+  set_property include_dirs [list [file join $root rtl include] [file join $root rtl engine]] [current_fileset]
   set_property top $top [current_fileset]
   update_compile_order -fileset sources_1
 

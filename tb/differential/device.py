@@ -10,10 +10,10 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbrtu import build
-from mbrtu.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_address
-from mbrtu.model import characters
-from mbrtu.runner import PRODUCTS, sources
+from harness import build
+from harness.runner import PRODUCTS, sources
+from protocol.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_address
+from protocol.model import characters
 
 HERE = Path(__file__).resolve().parent
 TOP = "modbus_rtu_slave"

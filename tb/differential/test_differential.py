@@ -10,12 +10,12 @@ import random
 from collections import Counter
 
 import pytest
-from mbrtu import build
-from mbrtu.build import NO_FLOORS, config_parameters, model_config, table_parameters
-from mbrtu.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
-from mbrtu.frames import adu, text
-from mbrtu.model import Slave, characters
-from mbrtu.traffic import Traffic
+from harness import build
+from harness.build import NO_FLOORS, config_parameters, model_config, table_parameters
+from harness.traffic import Traffic
+from protocol.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
+from protocol.frames import adu, text
+from protocol.model import Slave, characters
 
 from differential.device import Device, LineError, library, user_answer
 

@@ -8,10 +8,10 @@ A 50 MHz clock at 115200 baud unless a test says otherwise; t1.5 and t3.5 with t
 from dataclasses import dataclass
 
 import pytest
-from mbrtu import frames
-from mbrtu.build import DEFAULT_CLK_HZ, NO_FLOORS, REFERENCE, model_config, silences
-from mbrtu.defs import DEFAULT_OBJECTS, F8E1, FC, FORMATS, T35_CHARACTERS, Sub
-from mbrtu.model import Slave
+from harness.build import DEFAULT_CLK_HZ, NO_FLOORS, REFERENCE, model_config, silences
+from protocol import frames
+from protocol.defs import DEFAULT_OBJECTS, F8E1, FC, FORMATS, T35_CHARACTERS, Sub
+from protocol.model import Slave
 
 from differential.device import Device, library
 

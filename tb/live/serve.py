@@ -11,7 +11,7 @@ import time
 import tty
 from pathlib import Path
 
-from mbrtu import frames
+from protocol import frames
 
 ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 240  # the first start of a map or an identity compiles it

@@ -9,11 +9,12 @@ import time
 from contextlib import contextmanager
 
 import pytest
-from mbrtu import build, defs, frames
-from mbrtu.defs import FC, Space
-from mbrtu.memory import Config
-from mbrtu.model import Slave
-from mbrtu.pdm import Event, EventRecords
+from harness import build
+from protocol import defs, frames
+from protocol.defs import FC, Space
+from protocol.memory import Config
+from protocol.model import Slave
+from protocol.pdm import Event, EventRecords
 from pymodbus.client import ModbusSerialClient
 from pymodbus.pdu.file_message import FileRecord, ReadFifoQueueResponse
 

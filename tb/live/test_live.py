@@ -14,10 +14,10 @@ import time
 import minimalmodbus
 import pytest
 import serial
-from mbrtu import frames
-from mbrtu.build import silences
-from mbrtu.defs import FC, FORMAT_BY_NAME, Space
-from mbrtu.model import Config, Slave
+from harness.build import silences
+from protocol import frames
+from protocol.defs import FC, FORMAT_BY_NAME, Space
+from protocol.model import Config, Slave
 from pymodbus.client import ModbusSerialClient
 
 from live.serve import Port, Serve, refuse, request

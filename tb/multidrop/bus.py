@@ -12,14 +12,14 @@ import random
 
 from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge, Timer
-from mbrtu import build
-from mbrtu.bench import AT_REST, CLOCK_PS, PROCESSING_CLOCKS
-from mbrtu.defs import F8E1, Space
-from mbrtu.frames import text
-from mbrtu.host import HostPort
-from mbrtu.line import Line, wait_until
-from mbrtu.model import characters
-from mbrtu.readout import Readout
+from harness import build
+from harness.bench import AT_REST, CLOCK_PS, PROCESSING_CLOCKS
+from harness.host import HostPort
+from harness.line import Line, wait_until
+from harness.readout import Readout
+from protocol.defs import F8E1, Space
+from protocol.frames import text
+from protocol.model import characters
 
 from .listener import SEEN, Listener, spread
 

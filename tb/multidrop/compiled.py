@@ -7,10 +7,10 @@ import random
 from pathlib import Path
 
 from differential.device import library
-from mbrtu import wave
-from mbrtu.defs import ALL_COUNTERS, COUNTER_ADDRESS, F8E1, LOG_ADDRESS, T35_CHARACTERS, Space, bus_address
-from mbrtu.frames import text
-from mbrtu.model import characters
+from harness import wave
+from protocol.defs import ALL_COUNTERS, COUNTER_ADDRESS, F8E1, LOG_ADDRESS, T35_CHARACTERS, Space, bus_address
+from protocol.frames import text
+from protocol.model import characters
 
 from .listener import SEEN, Listener, spread
 

@@ -2,9 +2,9 @@
 # Copyright (c) 2026 the project contributors
 """One slave of many as its model sees it: settings, and what its host must have seen so far."""
 
-from mbrtu import build
-from mbrtu.defs import FIRST_ADDRESS, LAST_ADDRESS
-from mbrtu.model import Slave
+from harness import build
+from protocol.defs import FIRST_ADDRESS, LAST_ADDRESS
+from protocol.model import Slave
 
 DEVICE = "modbus_rtu_slave"
 SEEN = ("drives", "frames", "errors", "writes")  # what the benches count for each node, in this order

@@ -9,8 +9,8 @@ import os
 
 import cocotb
 from cocotb.triggers import Timer
-from mbrtu import frames
-from mbrtu.defs import BROADCAST, FC, LAST_ADDRESS, Space, Sub
+from protocol import frames
+from protocol.defs import BROADCAST, FC, LAST_ADDRESS, Space, Sub
 
 from .bus import PARAMETERS, Bus
 

@@ -9,10 +9,10 @@ import contextlib
 import os
 
 import pytest
-from mbrtu import frames
-from mbrtu.build import NO_FLOORS, function_mask
-from mbrtu.defs import BROADCAST, DIAGNOSTIC_FUNCTIONS, FC, Sub
-from mbrtu.wave import LineError
+from harness.build import NO_FLOORS, function_mask
+from harness.wave import LineError
+from protocol import frames
+from protocol.defs import BROADCAST, DIAGNOSTIC_FUNCTIONS, FC, Sub
 
 from .compiled import Bus
 

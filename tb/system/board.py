@@ -13,9 +13,9 @@ from types import SimpleNamespace
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, Timer
-from mbrtu import frames
-from mbrtu.defs import F8E1, FC
-from mbrtu.line import Line, now
+from harness.line import Line, now
+from protocol import frames
+from protocol.defs import F8E1, FC
 
 from .board_pins import PINS
 

@@ -4,11 +4,11 @@
 
 import cocotb
 from cocotb.triggers import Timer
-from mbrtu import frames
-from mbrtu.bank import Bank
-from mbrtu.bench import CLOCK_PS, PROCESSING_CLOCKS, Bench
-from mbrtu.defs import BROADCAST, EX, FC, Space
-from mbrtu.lines import with_error, with_gap
+from harness.bank import Bank
+from harness.bench import CLOCK_PS, PROCESSING_CLOCKS, Bench
+from harness.lines import with_error, with_gap
+from protocol import frames
+from protocol.defs import BROADCAST, EX, FC, Space
 
 OWN = 17
 COIL, REGISTER = 30, 40

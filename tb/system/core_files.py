@@ -3,9 +3,9 @@
 """Files and queue on the grant and Wishbone ports of modbus_rtu_core: questions, beats, refusals, errors."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS
-from mbrtu.defs import EX, FC, FIFO_MOST, Space
+from harness.bench import CLOCK_PS
+from protocol import frames
+from protocol.defs import EX, FC, FIFO_MOST, Space
 
 from system.core_bus import OWN, ask, bench, memories_agree, preset
 

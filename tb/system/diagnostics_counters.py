@@ -3,10 +3,10 @@
 """Every counter's rule and every byte of the event log, step by step."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.defs import ALL_COUNTERS, EX, FC, LOG_SIZE, OVERRUN_FLAG, Space, Sub
-from mbrtu.lines import with_error, with_gap
-from mbrtu.readout import LAST_ACTION_CLOCKS
+from harness.lines import with_error, with_gap
+from harness.readout import LAST_ACTION_CLOCKS
+from protocol import frames
+from protocol.defs import ALL_COUNTERS, EX, FC, LOG_SIZE, OVERRUN_FLAG, Space, Sub
 
 from system.story import OTHER, OWN, Story, everyone, own
 

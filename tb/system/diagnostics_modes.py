@@ -4,11 +4,11 @@
 
 import cocotb
 from cocotb.triggers import RisingEdge
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, Bench
-from mbrtu.defs import COUNTER_ADDRESS, EX, FC, LOG_ADDRESS, Space, Sub
-from mbrtu.line import wait_until
-from mbrtu.lines import with_error, with_gap
+from harness.bench import CLOCK_PS, Bench
+from harness.line import wait_until
+from harness.lines import with_error, with_gap
+from protocol import frames
+from protocol.defs import COUNTER_ADDRESS, EX, FC, LOG_ADDRESS, Space, Sub
 
 from system.story import OTHER, OWN, Story, everyone, own
 

@@ -7,11 +7,12 @@ import struct
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge
-from mbrtu import build, frames
-from mbrtu.bench import CLOCK_PS, PARAMETERS, Bench
-from mbrtu.defs import EX, FC
-from mbrtu.model import Slave
-from mbrtu.runner import ROOT
+from harness import build
+from harness.bench import CLOCK_PS, PARAMETERS, Bench
+from harness.runner import ROOT
+from protocol import frames
+from protocol.defs import EX, FC
+from protocol.model import Slave
 
 OWN = 17
 ADD, WORK, REVERSE, NOBODYS = 0x41, 0x42, 0x64, 0x6E

@@ -3,9 +3,9 @@
 """Read FIFO queue, function code 18: counts, both ends of the table, order of exceptions."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import BROADCAST, EX, FC, FIFO_MOST, Space
+from harness.bench import Bench
+from protocol import frames
+from protocol.defs import BROADCAST, EX, FC, FIFO_MOST, Space
 
 OWN = 17
 

@@ -3,9 +3,9 @@
 """File records, function codes 14 and 15, on the RAM bank: groups, limits, order of checks, host port."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import BROADCAST, EX, FC, READ_FILE_ANSWER, Space
+from harness.bench import Bench
+from protocol import frames
+from protocol.defs import BROADCAST, EX, FC, READ_FILE_ANSWER, Space
 
 OWN = 17
 

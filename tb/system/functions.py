@@ -6,9 +6,9 @@ The build has tables with bases; every test takes its addresses from the model's
 """
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import ALL_FUNCTIONS, BROADCAST, EX, FC, FUNCTIONS, Space
+from harness.bench import Bench
+from protocol import frames
+from protocol.defs import ALL_FUNCTIONS, BROADCAST, EX, FC, FUNCTIONS, Space
 
 OWN = 17
 READERS = (FC.READ_COILS, FC.READ_DISCRETES, FC.READ_HOLDINGS, FC.READ_INPUTS)

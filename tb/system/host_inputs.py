@@ -4,10 +4,10 @@
 
 import cocotb
 from cocotb.triggers import Timer
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, Bench
-from mbrtu.defs import EX, FC, Space
-from mbrtu.frames import text
+from harness.bench import CLOCK_PS, Bench
+from protocol import frames
+from protocol.defs import EX, FC, Space
+from protocol.frames import text
 
 OWN, OTHER = 17, 18
 READ = frames.adu(OWN, frames.read(FC.READ_INPUTS, 0, 1))

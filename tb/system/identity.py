@@ -3,9 +3,9 @@
 """Function codes 11 and 2B/0E: what the build says of itself, whole and in segments."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import (
+from harness.bench import Bench
+from protocol import frames
+from protocol.defs import (
     BROADCAST,
     DEVICE_ID_HEAD,
     EX,

@@ -4,9 +4,9 @@
 
 import cocotb
 from cocotb.triggers import ReadOnly, Timer
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import FC, Space
+from harness.bench import Bench
+from protocol import frames
+from protocol.defs import FC, Space
 
 OWN = 17
 TABLES = {

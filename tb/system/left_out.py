@@ -3,10 +3,10 @@
 """Builds without some functions: those answer exception 01, everything else works as in a full one."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import ALL_COUNTERS, ALL_FUNCTIONS, BROADCAST, EX, FC, LOG_ADDRESS, Space, Sub
-from mbrtu.user import User
+from harness.bench import Bench
+from harness.user import User
+from protocol import frames
+from protocol.defs import ALL_COUNTERS, ALL_FUNCTIONS, BROADCAST, EX, FC, LOG_ADDRESS, Space, Sub
 
 OWN, OTHER = 17, 18
 LONG = bytes(257)

@@ -6,11 +6,11 @@ spikes, collisions with the answer, reset.  Nothing bad is executed; the next go
 
 import cocotb
 from cocotb.triggers import RisingEdge, Timer
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, STRAGGLER_BITS, Bench
-from mbrtu.defs import F8N1, F8N2, FC, FORMAT_BY_NAME, LONGEST_FRAME, Space
-from mbrtu.line import now, wait_until
-from mbrtu.lines import scaled, with_error, with_gap
+from harness.bench import CLOCK_PS, STRAGGLER_BITS, Bench
+from harness.line import now, wait_until
+from harness.lines import scaled, with_error, with_gap
+from protocol import frames
+from protocol.defs import F8N1, F8N2, FC, FORMAT_BY_NAME, LONGEST_FRAME, Space
 
 OWN, OTHER = 17, 18
 REGISTER = 5

@@ -4,11 +4,11 @@
 
 import cocotb
 from cocotb.triggers import RisingEdge, Timer, with_timeout
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
-from mbrtu.build import DEFAULT_CLK_HZ
-from mbrtu.defs import FC, Space
-from mbrtu.line import now
+from harness.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
+from harness.build import DEFAULT_CLK_HZ
+from harness.line import now
+from protocol import frames
+from protocol.defs import FC, Space
 
 OWN, OTHER = 17, 18
 READ = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 2))

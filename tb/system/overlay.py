@@ -3,10 +3,10 @@
 """One block of registers behind all four tables: a device with one block (V1.1b3, section 4.3)."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import FC, Space
-from mbrtu.model import REGISTER_BITS
+from harness.bench import Bench
+from protocol import frames
+from protocol.defs import FC, Space
+from protocol.model import REGISTER_BITS
 
 OWN = 17
 

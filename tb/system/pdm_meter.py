@@ -6,11 +6,11 @@ import dataclasses
 
 import cocotb
 from cocotb.triggers import RisingEdge, Timer, with_timeout
-from mbrtu import frames, vectors
-from mbrtu.bench import CLOCK_PS, PARAMETERS, Bench
-from mbrtu.defs import EX, FC, Limits, Space
-from mbrtu.model import Config, Slave
-from mbrtu.pdm import DEFAULT_DEPTH, RECORD_REGISTER, Event, EventRecords
+from harness.bench import CLOCK_PS, PARAMETERS, Bench
+from protocol import frames, vectors
+from protocol.defs import EX, FC, Limits, Space
+from protocol.model import Config, Slave
+from protocol.pdm import DEFAULT_DEPTH, RECORD_REGISTER, Event, EventRecords
 
 OWN = 1
 DEFAULTS = {

@@ -5,10 +5,10 @@
 import cocotb
 from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, Timer
-from mbrtu import frames
-from mbrtu.bench import AT_REST, CLOCK_PS, Bench
-from mbrtu.defs import FC, Space
-from mbrtu.line import now
+from harness.bench import AT_REST, CLOCK_PS, Bench
+from harness.line import now
+from protocol import frames
+from protocol.defs import FC, Space
 
 OWN = 17
 IDLE = {"txd_o": 1, "de_o": 0, "alive_o": 0, "rx_active_o": 0, "frame_stb_o": 0, "write_stb_o": 0, "listen_only_o": 0}

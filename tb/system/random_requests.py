@@ -9,10 +9,10 @@ import os
 from collections import Counter
 
 import cocotb
-from mbrtu.bench import Bench
-from mbrtu.defs import F8E1, F8N1, F8N2, F8O1
-from mbrtu.traffic import Traffic
-from mbrtu.user import User
+from harness.bench import Bench
+from harness.traffic import Traffic
+from harness.user import User
+from protocol.defs import F8E1, F8N1, F8N2, F8O1
 
 SEED = int(os.environ.get("BENCH_SEED", "1"))
 COUNT = int(os.environ.get("BENCH_COUNT", "300"))

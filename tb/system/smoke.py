@@ -7,10 +7,10 @@ enable; at the end memory, counters and log.
 """
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import ALL_FUNCTIONS, BROADCAST, EX, FC, FORMATS, FUNCTIONS, Space, Sub
-from mbrtu.lines import with_error, with_gap
+from harness.bench import Bench
+from harness.lines import with_error, with_gap
+from protocol import frames
+from protocol.defs import ALL_FUNCTIONS, BROADCAST, EX, FC, FORMATS, FUNCTIONS, Space, Sub
 
 OWN, OTHER = 17, 18
 READERS = (FC.READ_COILS, FC.READ_DISCRETES, FC.READ_HOLDINGS, FC.READ_INPUTS)

@@ -3,11 +3,11 @@
 """Formats, clocks per bit, baud mismatch and jitter, t1.5 / t3.5 on both sides of 19200 baud."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
-from mbrtu.build import DEFAULT_CLK_HZ
-from mbrtu.defs import FC, FLOOR_BAUD, FORMAT_BY_NAME
-from mbrtu.lines import scaled, with_gap
+from harness.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
+from harness.build import DEFAULT_CLK_HZ
+from harness.lines import scaled, with_gap
+from protocol import frames
+from protocol.defs import FC, FLOOR_BAUD, FORMAT_BY_NAME
 
 OWN = 17
 READ = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 3))

@@ -2,11 +2,11 @@
 # Copyright (c) 2026 the project contributors
 """Scripted stories about counters and log: after each step all of them are what the script says."""
 
-from mbrtu import frames
-from mbrtu.bench import Bench
-from mbrtu.defs import ADDRESSES, ALL_COUNTERS, BROADCAST, LOG_SIZE
-from mbrtu.model import characters
-from mbrtu.readout import named
+from harness.bench import Bench
+from harness.readout import named
+from protocol import frames
+from protocol.defs import ADDRESSES, ALL_COUNTERS, BROADCAST, LOG_SIZE
+from protocol.model import characters
 
 OWN, OTHER = 17, 18
 SHORT = {  # names of the counters in the stories

@@ -6,9 +6,9 @@ The measurements themselves run on the compiled slave: tb/differential/test_timi
 """
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, Bench
-from mbrtu.lines import scaled, with_gap
+from harness.bench import CLOCK_PS, Bench
+from harness.lines import scaled, with_gap
+from protocol import frames
 
 OWN = 17
 BIT_TIME = 434  # 50 MHz / 115200

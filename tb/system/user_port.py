@@ -3,11 +3,11 @@
 """The user port: what is offered, what may come back, and what a bad user cannot do."""
 
 import cocotb
-from mbrtu import frames
-from mbrtu.bench import CLOCK_PS, PROCESSING_CLOCKS, Bench
-from mbrtu.defs import BROADCAST, EX, EXCEPTION_FLAG, FC, LONGEST_PDU, Space, Sub
-from mbrtu.lines import with_error
-from mbrtu.user import User
+from harness.bench import CLOCK_PS, PROCESSING_CLOCKS, Bench
+from harness.lines import with_error
+from harness.user import User
+from protocol import frames
+from protocol.defs import BROADCAST, EX, EXCEPTION_FLAG, FC, LONGEST_PDU, Space, Sub
 
 OWN, OTHER = 17, 18
 MINE = 65  # a function code that is only the user's

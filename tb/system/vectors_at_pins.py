@@ -3,9 +3,10 @@
 """Every printed example at the pins with RTU timing: answer, memory, counters, log, mode afterwards."""
 
 import cocotb
-from mbrtu import bench, build, frames, vectors
-from mbrtu.defs import LONGEST_FRAME, OVERRUN_FLAG, RECEIVED, RECEIVED_ERROR
-from mbrtu.readout import LAST_ACTION_CLOCKS, named
+from harness import bench, build
+from harness.readout import LAST_ACTION_CLOCKS, named
+from protocol import frames, vectors
+from protocol.defs import LONGEST_FRAME, OVERRUN_FLAG, RECEIVED, RECEIVED_ERROR
 
 BUILT = build.model_config(bench.TOP, bench.PARAMETERS)
 LIMITS_BUILT = {

@@ -12,9 +12,9 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbrtu import wave
-from mbrtu.defs import F8E1
-from mbrtu.runner import PRODUCTS, sources
+from harness import wave
+from harness.runner import PRODUCTS, sources
+from protocol.defs import F8E1
 
 HERE = Path(__file__).resolve().parent
 TOP = "timing_top"

@@ -8,8 +8,9 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from mbrtu import frames, wave
-from mbrtu.defs import DEFAULT_OBJECTS, F8E1, F8N1, F8N2, F8O1, FC, Space, Sub, bus_address
+from harness import wave
+from protocol import frames
+from protocol.defs import DEFAULT_OBJECTS, F8E1, F8N1, F8N2, F8O1, FC, Space, Sub, bus_address
 
 from .device import ERRORS, JUDGED, OWN, Device, mask
 

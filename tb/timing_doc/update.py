@@ -3,7 +3,7 @@
 # Copyright (c) 2026 the project contributors
 """Measure anew and put the tables into docs/timing.md and the pictures' sources into docs/wave.
 
-`update.py --render` also draws the pictures as SVG; it needs the packages of tb/requirements/docs.txt.
+`update.py --render` also draws the pictures as SVG; it needs the packages of tools/requirements/docs.txt.
 """
 
 import hashlib

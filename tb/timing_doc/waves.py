@@ -4,8 +4,8 @@
 
 import json
 
-from mbrtu import frames
-from mbrtu.defs import FC, Space, bus_address
+from protocol import frames
+from protocol.defs import FC, Space, bus_address
 
 from .device import OWN, mask
 from .measure import Lab, fill_holdings, to_grant

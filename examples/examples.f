@@ -1,0 +1,6 @@
+examples/modbus_example_user.v
+examples/modbus_pdm_record.v
+examples/modbus_pdm_meter.v
+examples/modbus_example_ram.v
+examples/modbus_example_soc_wb.v
+examples/modbus_example_soc_axil.v

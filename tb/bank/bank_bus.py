@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""The two banks on their core side: grant and Wishbone, and for the RAM bank the host beside it."""
+
+import cocotb
+from harness.bench import PARAMETERS, TOP
+from harness.build import DEFAULT_COUNTS, model_config
+from harness.unit import clocks, settle, start
+from protocol.defs import BIT_SPACES, Space, bus_address
+
+from bank.bank_guard import expected
+
+PATIENCE = 50
+RAM = TOP == "modbus_bank_ram"
+DROP_IN = "modbus_rtu_slave" if RAM else "modbus_rtu_slave_io"
+
+
+class Bank:
+    """The core's side of a bank."""
+
+    @classmethod
+    async def start(cls, dut):
+        self = cls()
+        self.dut, self.rng = dut, await start(dut)
+        self.config = model_config(DROP_IN, PARAMETERS)
+        assert DROP_IN in DEFAULT_COUNTS
+        return self
+
+    async def ask(self, space, first, last, write):
+        """The grant question; the exception code."""
+        dut = self.dut
+        dut.grant_space_i.value, dut.grant_write_i.value = int(space), write
+        dut.grant_first_i.value, dut.grant_last_i.value, dut.grant_req_i.value = first, last, 1
+        for _ in range(PATIENCE):
+            await settle()
+            if int(dut.grant_ack_o.value):
+                code = int(dut.exception_o.value)
+                await clocks(dut)
+                dut.grant_req_i.value = 0
+                await clocks(dut)
+                return code
+            await clocks(dut)
+        raise AssertionError("no verdict")
+
+    async def burst(self, space, first, values=None, count=0):
+        """One burst under one cyc: writes `values`, or reads `count` items; the items read."""
+        dut, out = self.dut, []
+        dut.wb_cyc_i.value, dut.wb_we_i.value = 1, int(values is not None)
+        for place in range(len(values) if values is not None else count):
+            dut.wb_stb_i.value, dut.wb_adr_i.value = 1, bus_address(space, first + place)
+            if values is not None:
+                dut.wb_dat_i.value = values[place]
+            for _ in range(PATIENCE):
+                await settle()
+                if int(dut.wb_ack_o.value):
+                    break
+                await clocks(dut)
+            else:
+                raise AssertionError(f"no ack for item {first + place}")
+            out.append(int(dut.wb_dat_o.value))
+            await clocks(dut)
+            if self.rng.random() < 0.2:  # the core may pause between two beats, the next address on show
+                dut.wb_stb_i.value, dut.wb_adr_i.value = 0, bus_address(space, first + place + 1)
+                await clocks(dut, self.rng.randrange(1, 4))
+        dut.wb_cyc_i.value = dut.wb_stb_i.value = 0
+        await clocks(dut)
+        return out
+
+    def writable(self):
+        """(space, base, count) of the tables that the core can write, without the read-only range."""
+        for space in (Space.COILS, Space.HOLDINGS):
+            base, count = self.config.tables[space]
+            if count:
+                yield space, base, count
+
+
+@cocotb.test()
+async def bursts_keep_what_they_write(dut):
+    bank = await Bank.start(dut)
+    for _ in range(6):
+        for space, base, count in bank.writable():
+            quantity = bank.rng.randint(1, min(count, 40))
+            first = base + bank.rng.randint(0, count - quantity)
+            values = [bank.rng.getrandbits(1 if space in BIT_SPACES else 16) for _ in range(quantity)]
+            assert await bank.ask(space, first, first + quantity - 1, 1) == 0
+            await bank.burst(space, first, values)
+            assert await bank.ask(space, first, first + quantity - 1, 0) == 0
+            seen = await bank.burst(space, first, count=quantity)
+            seen = [v & 1 for v in seen] if space in BIT_SPACES else seen
+            assert seen == values, f"{space.name} {first}: wrote {values}, read {seen}"
+
+
+@cocotb.test()
+async def verdicts_are_the_models(dut):
+    from protocol.model import Slave
+
+    bank = await Bank.start(dut)
+    slave = Slave(bank.config)
+    for _ in range(200):
+        space = bank.rng.randrange(4)
+        base, count = bank.config.tables[space]
+        first = min(max(bank.rng.choice((base, base + count)) + bank.rng.randint(-2, 2), 0), 65535)
+        last = min(first + bank.rng.choice((0, 0, 1, count, 124)), 65535)
+        write = int(space in (Space.COILS, Space.HOLDINGS)) and bank.rng.getrandbits(1)
+        wanted = expected(slave, space, first, last, write)
+        seen = await bank.ask(space, first, last, write)
+        assert seen == wanted, f"space {space}, {first}..{last}, write {write}: expected {wanted}, seen {seen}"
+
+
+@cocotb.test(skip=RAM)
+async def outputs_follow_the_writes(dut):
+    bank = await Bank.start(dut)
+    image = {Space.COILS: 0, Space.HOLDINGS: 0}
+    for _ in range(40):
+        for space, base, count in bank.writable():
+            width = 1 if space in BIT_SPACES else 16
+            place, value = bank.rng.randrange(count), bank.rng.getrandbits(width)
+            assert await bank.ask(space, base + place, base + place, 1) == 0
+            await bank.burst(space, base + place, [value])
+            mask = ((1 << width) - 1) << (width * place)
+            image[space] = image[space] & ~mask | value << (width * place)
+            seen = int((dut.coils_o if space in BIT_SPACES else dut.holdings_o).value)
+            assert seen == image[space], f"{space.name} {base + place} = {value:X}"
+
+
+@cocotb.test(skip=not RAM)
+async def host_and_core_take_turns(dut):
+    """A host that always wants the bus and a core that bursts: both get their data, bursts unbroken."""
+    bank = await Bank.start(dut)
+    base, count = bank.config.tables[Space.HOLDINGS]
+    stop, rounds = [], []
+
+    async def host():
+        value = 0
+        while not stop:
+            for write in (1, 0):
+                value = (value + write) & 0xFFFF
+                dut.host_cyc_i.value = dut.host_stb_i.value = 1
+                dut.host_we_i.value, dut.host_dat_i.value = write, value
+                dut.host_adr_i.value = bus_address(Space.HOLDINGS, base + count - 1)
+                while True:
+                    await settle()
+                    if int(dut.host_ack_o.value):
+                        break
+                    assert not int(dut.host_err_o.value)
+                    await clocks(dut)
+                seen = int(dut.host_dat_o.value)
+                await clocks(dut)
+                dut.host_cyc_i.value = dut.host_stb_i.value = 0
+                await clocks(dut)
+                if not write:
+                    assert seen == value, f"the host wrote {value}, read {seen}"
+                    rounds.append(value)
+
+    task = cocotb.start_soon(host())
+    for _ in range(12):
+        values = [bank.rng.getrandbits(16) for _ in range(min(20, count - 1))]
+        assert await bank.ask(Space.HOLDINGS, base, base + len(values) - 1, 1) == 0
+        await bank.burst(Space.HOLDINGS, base, values)
+        assert await bank.ask(Space.HOLDINGS, base, base + len(values) - 1, 0) == 0
+        assert await bank.burst(Space.HOLDINGS, base, count=len(values)) == values
+    stop.append(True)
+    await task
+    assert len(rounds) > 5, "the host hardly ever got the bus"

@@ -1,0 +1,3 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Tests of rtl/engine, module by module; tb/test_modules.py runs them."""

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""A register bank in Python on the grant and Wishbone ports of modbus_rtu_core, which also judges.
+
+It answers from the model's tables but holds its own memory, waits as told, refuses, errs or falls
+silent, and notes in `faults` when the core breaks a promise: no grant question without a good frame,
+no access outside what was granted, no write without a grant for writing, nothing that changes while the
+bank makes it wait, and for files every question before the first access, one cyc for all groups.
+"""
+
+from dataclasses import dataclass, field
+
+import cocotb
+from cocotb.triggers import First, RisingEdge, Timer
+from protocol.defs import ADDRESSES, BIT_SPACES, EX, SPACE_SHIFT, Space
+
+SETTLE_PS = 1_000  # after a clock edge the outputs of the core are read, then answered
+
+
+@dataclass
+class Manner:
+    """How the bank behaves. Waits are in clock cycles; 0 answers in the same cycle."""
+
+    grant_wait: object = 0  # number, or a callable giving one
+    beat_wait: object = 0
+    refuse: int = 0  # exception code instead of a grant
+    refuse_second: int = 0  # the same, for the second question of a request and those behind it
+    refusals: dict = field(default_factory=dict)  # the same, {number of the question: code}
+    silent_grant: bool = False
+    silent_beat: int | None = None  # number of the beat in a request that is never answered
+    error_beat: int | None = None  # number of the beat answered with err
+    error_code: int = 0
+
+
+@dataclass
+class Request:
+    """What one request did on the bus."""
+
+    questions: list = field(default_factory=list)  # (space, first, last, write), for files (.., file)
+    beats: list = field(default_factory=list)  # (write, space, item, data), for files (.., file)
+    bursts: int = 0  # times cyc rose
+
+
+def _waits(value):
+    return value() if callable(value) else value
+
+
+class Bank:
+    """Bank and bus monitor of a Bench whose device is modbus_rtu_core.
+
+    `memory` has the keys of the model's; records of files have the item of Config.record_item.
+    """
+
+    def __init__(self, tb):
+        self.tb, self.dut = tb, tb.dut
+        self.manner, self.request = Manner(), Request()
+        self.memory, self.faults = {}, []
+        self._granted, self._good_frames = [], 0
+        for port in ("grant_ack_i", "exception_i", "wb_ack_i", "wb_err_i", "wb_dat_i"):
+            getattr(self.dut, port).value = 0
+        cocotb.start_soon(self._count_frames())
+        cocotb.start_soon(self._run())
+
+    async def _count_frames(self):
+        while True:
+            await RisingEdge(self.dut.frame_stb_o)
+            self._good_frames += 1
+
+    def begin(self, **manner):
+        """Forget the last request; the next one meets a bank with this manner."""
+        self.manner, self.request, self._granted = Manner(**manner), Request(), []
+        self._beat = 0
+
+    _beat = 0
+
+    def _fault(self, text):
+        if len(self.faults) < 10:
+            self.faults.append(text)
+
+    def check(self):
+        """Raises AssertionError with every promise that was broken."""
+        assert not self.faults, "; ".join(self.faults)
+
+    def _verdict(self, space, first, last, _write, file=None):
+        manner, config, number = self.manner, self.tb.slave.config, len(self.request.questions)
+        if space == Space.FILES:
+            files, records = config.files
+            exists = 1 <= file <= files and last < records
+        else:
+            base, count = config.tables[space]
+            exists = base <= first and last < base + count
+        if not exists:
+            return EX.ADDRESS
+        return manner.refusals.get(number, manner.refuse_second if number else manner.refuse)
+
+    async def _run(self):
+        dut = self.dut
+        self._asked = self._held = self._strobed = self._shown = None
+        cyc_before = 0
+        while True:
+            if self._asked is None and not cyc_before and not int(dut.grant_req_o.value):
+                # At rest: nothing to look at each clock.
+                await First(*(RisingEdge(port) for port in (dut.grant_req_o, dut.wb_cyc_o, dut.wb_stb_o)))
+            else:
+                await RisingEdge(dut.clk_i)
+            await Timer(SETTLE_PS, "ps")
+            self._judge_question()
+            cyc, stb = int(dut.wb_cyc_o.value), int(dut.wb_stb_o.value)
+            if stb and not cyc:
+                self._fault("stb without cyc")
+            if cyc and not cyc_before:
+                self.request.bursts += 1
+                if not self._granted:
+                    self._fault("cyc without a grant")
+                if self.request.bursts > 1 and self._granted[0][0] == Space.FILES:
+                    self._fault("cyc falls between two groups")
+            cyc_before = cyc
+            self._judge_beat(cyc and stb)
+
+    def _judge_question(self):
+        """Grant or refuse what is asked in this clock."""
+        dut = self.dut
+        if not int(dut.grant_req_o.value):
+            self._asked = None
+            dut.grant_ack_i.value = 0
+            return
+        question = tuple(int(getattr(dut, f"grant_{name}_o").value) for name in ("space", "first", "last", "write"))
+        if question[0] == Space.FILES:
+            question += (int(dut.grant_file_o.value),)
+        if self._asked is None:
+            self._asked, self._held = _waits(self.manner.grant_wait), question
+            if not self._good_frames:
+                self._fault(f"question {question} without a good frame")
+            if question[0] == Space.FILES and self.request.beats:
+                self._fault(f"question {question} behind the first access")
+        if question != self._held:
+            self._fault(f"question changed from {self._held} to {question}")
+        ready = self._asked == 0 and not self.manner.silent_grant
+        dut.grant_ack_i.value = int(ready)
+        if not ready:
+            self._asked = max(self._asked - 1, 0)
+            return
+        code = self._verdict(*question)
+        dut.exception_i.value = int(code)
+        self.request.questions.append(question)
+        if not code:
+            self._granted.append(question)
+        self._asked = None
+
+    def _judge_beat(self, wanted):
+        """Answer the beat of this clock, if there is one."""
+        dut = self.dut
+        ack = err = 0
+        if wanted:
+            access = self._access()
+            if self._strobed is None:
+                self._strobed, self._shown = _waits(self.manner.beat_wait), access
+            if access != self._shown:
+                self._fault(f"access changed from {self._shown} to {access}")
+            if self._strobed == 0 and self._beat != self.manner.silent_beat:
+                err = int(self._beat == self.manner.error_beat)
+                ack = 1 - err
+                self._take(access, err)
+                self._strobed = None
+            else:
+                self._strobed = max(self._strobed - 1, 0)
+        else:
+            self._strobed = None
+        dut.wb_ack_i.value, dut.wb_err_i.value = ack, err
+        if err:
+            dut.exception_i.value = self.manner.error_code
+
+    def _access(self):
+        """(write, space, item, data or None, file or None) on the bus now."""
+        dut = self.dut
+        address, write = int(dut.wb_adr_o.value), int(dut.wb_we_o.value)
+        space, item = Space(address >> SPACE_SHIFT), address % ADDRESSES
+        file = int(dut.grant_file_o.value) if space == Space.FILES else None
+        return write, space, item, int(dut.wb_dat_o.value) if write else None, file
+
+    def _take(self, access, err):
+        """Do one beat of the bus."""
+        write, space, item, data, file = access
+        wide = space not in BIT_SPACES
+        if not any(
+            s == space and first <= item <= last and may_write >= write and ([file] == rest if rest else True)
+            for s, first, last, may_write, *rest in self._granted
+        ):
+            where = f"{space.name} {item}" if file is None else f"{space.name} {file}/{item}"
+            self._fault(f"{'write' if write else 'read'} of {where} was not granted")
+        key = (space, item if file is None else self.tb.slave.config.record_item(file, item))
+        data = data if write else self.memory.get(key, 0)
+        if not err:
+            beat = (write, space, item, data if wide else data & 1)
+            self.request.beats.append(beat if file is None else (*beat, file))
+            if write:
+                self.memory[key] = data if wide else data & 1
+        if not write:
+            # the unused bits of a coil are noise: the core must look at bit 0 only
+            self.dut.wb_dat_i.value = data if wide else data | 0xAAAA & ~1
+        self._beat += 1

