@@ -8,7 +8,7 @@ from harness.runner import run
 from protocol import vectors
 from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, DIAGNOSTIC_FUNCTIONS, FC, FILE_FUNCTIONS, Space
 
-SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
+SLAVE, IO, CORE = "slave_bench", "io_bench", "core_bench"
 PDM = "modbus_pdm_meter"
 
 FAST = {**REFERENCE, **NO_FLOORS}  # the live device's map; t1.5 and t3.5 in characters only

@@ -32,6 +32,7 @@ module modbus_bank_io #(
   input  wire [15:0] grant_first_i,
   input  wire [15:0] grant_last_i,
   input  wire        grant_write_i,
+  input  wire [15:0] grant_file_i,
   output wire        grant_ack_o,
   output wire [3:0]  exception_o,
   input  wire        wb_cyc_i,
@@ -59,7 +60,7 @@ module modbus_bank_io #(
   ) u_guard (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0),
     .req_i(grant_req_i), .space_i(grant_space_i), .first_i(grant_first_i), .last_i(grant_last_i),
-    .write_i(grant_write_i), .file_i(16'd0), .flat_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
+    .write_i(grant_write_i), .file_i(grant_file_i), .flat_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
   );
 
   reg [COIL_WIDTH-1:0]    coils_q = {COIL_WIDTH{1'b0}};

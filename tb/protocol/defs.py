@@ -230,7 +230,8 @@ COUNTERS = {
 EVENT_COUNTER = "event_counter"
 ALL_COUNTERS = (*COUNTERS, EVENT_COUNTER)
 COUNTER_ADDRESS = {EVENT_COUNTER: 0x0A, **{name: int(sub) for name, sub in COUNTERS.items()}}
-LOG_ADDRESS = 0x40  # of the newest entry at the counter port
+LOG_ADDRESS = 0x40  # of the newest entry at the status port
+REGISTER_ADDRESS, LISTEN_ADDRESS, ENTRIES_ADDRESS = 0x00, 0x01, 0x02  # of the status port
 LOG_SIZE = 64
 
 # Bytes of the event log.
