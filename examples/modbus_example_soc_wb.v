@@ -3,12 +3,13 @@
 //
 // modbus_example_soc_wb - a SoC whose Wishbone bus has two masters, the Modbus core and a CPU: a pattern to copy.
 //
-// The core's own Wishbone port is the master.  Its grant question is answered by modbus_bank_guard, which knows the map.
-// The cpu_* port stands for the CPU; modbus_example_ram for everything on the bus.
+// The Wishbone port of the core is the master.  modbus_bank_guard, which knows the map, answers its grant question.
+// The cpu_* port is that of the CPU; modbus_example_ram stands for everything on the bus.
 //
-// The arbiter is one flip-flop: whoever has the bus keeps it while his cyc is up.  So all that a request does on the bus is one
-// piece for the CPU, and what the CPU does under one cpu_cyc_i is one piece for the line.  A CPU whose cyc never falls starves the
-// line until the stall limit; one that lets it fall between its accesses waits for one request at most.
+// The arbiter is one flip-flop: a master that has the bus keeps it while its cyc is high.  So all that a request does on the
+// bus is one piece for the CPU, and what the CPU does under one cpu_cyc_i is one piece for the line.  A CPU whose cyc
+// never falls keeps the line waiting until the stall limit; one whose cyc falls between its accesses waits for one request
+// at most.
 
 `default_nettype none
 
@@ -51,11 +52,7 @@ module modbus_example_soc_wb #(
   // Every function code but those of files
   localparam [63:0] CODES = 64'h0000080001C399FE;
 
-  wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack, wb_err;
-  wire [2:0]  grant_space;
-  wire [3:0]  exception;
-  wire [15:0] grant_first, grant_last, grant_file, wb_write, wb_read;
-  wire [18:0] wb_adr;
+`include "modbus_bank_wires.vh"
 
   modbus_rtu_core #(
     .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES)
@@ -64,10 +61,8 @@ module modbus_example_soc_wb #(
     .bit_time_i(bit_time_i), .format_i(format_i), .stall_limit_i(stall_limit_i), .broadcast_en_i(1'b1),
     .gap_count_only_i(1'b0), .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .de_lead_i(4'd1), .de_tail_i(4'd0),
     .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
-    .grant_req_o(grant_req), .grant_space_o(grant_space), .grant_first_o(grant_first), .grant_last_o(grant_last),
-    .grant_write_o(grant_write), .grant_file_o(grant_file), .grant_ack_i(grant_ack), .exception_i(exception),
-    .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we), .wb_adr_o(wb_adr), .wb_dat_o(wb_write), .wb_dat_i(wb_read),
-    .wb_ack_i(wb_ack), .wb_err_i(wb_err),
+`include "modbus_bank_core_inst.vh"
+    ,
     .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0), .user_dat_i(8'd0),
     .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .listen_only_o(), .diagnostic_register_o(),
     .log_count_o(), .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(), .counter_ack_o(), .write_stb_o(),
@@ -82,8 +77,8 @@ module modbus_example_soc_wb #(
   modbus_bank_guard #(
     .COIL_COUNT(8), .DISCRETE_COUNT(8), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
   ) u_guard (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .hold_i(1'b0), .req_i(grant_req), .space_i(grant_space),
-    .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .flat_i(1'b0),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .req_i(grant_req), .space_i(grant_space), .first_i(grant_first),
+    .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .flat_i(1'b0), .other_i(1'b0), .wait_i(1'b0),
     .ack_o(grant_ack), .refused_o(refused), .exception_o(exception)
   );
 

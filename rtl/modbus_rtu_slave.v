@@ -20,19 +20,8 @@ module modbus_rtu_slave #(
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
-  parameter integer COIL_BASE           = 0,             // first address of each table
-  parameter integer COIL_COUNT          = 64,            // its size, 0..65536; 0: no such table
-  parameter integer DISCRETE_BASE       = 0,
-  parameter integer DISCRETE_COUNT      = 64,
-  parameter integer INPUT_BASE          = 0,
-  parameter integer INPUT_COUNT         = 64,
-  parameter integer HOLDING_BASE        = 0,
-  parameter integer HOLDING_COUNT       = 64,
-  parameter integer READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
-  parameter integer READ_ONLY_COUNT     = 0,
-  parameter integer FILE_COUNT          = 0,             // files of function codes 14H and 15H, 0..65535; 0: none
-  parameter integer FILE_RECORDS        = 256,           // records of each, 1..10000
-  parameter integer OVERLAY             = 0,             // 1: one block of HOLDING_COUNT registers, also as bits
+`include "modbus_tables.vh"
+  ,
   parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
   parameter integer SERVER_ID_BYTES     = 1,             // 1..16
   parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // what follows the run indicator, right-justified
@@ -123,22 +112,11 @@ module modbus_rtu_slave #(
   output wire        err_gap_o                   // a gap above t1.5
 );
 
-  // The function codes of a table that does not exist are left out.
-  localparam [63:0] CODES = FUNCTION_CODES
-                   & ~((OVERLAY == 0 && COIL_COUNT == 0)     ? 64'h0000000000008022 : 64'd0)    // 01 05 0F
-                   & ~((OVERLAY == 0 && DISCRETE_COUNT == 0) ? 64'h0000000000000004 : 64'd0)    // 02
-                   & ~((OVERLAY == 0 && INPUT_COUNT == 0)    ? 64'h0000000000000010 : 64'd0)    // 04
-                   & ~((HOLDING_COUNT == 0)                  ? 64'h0000000001C10048 : 64'd0)    // 03 06 10 16 17 18
-                   & ~((FILE_COUNT == 0)                     ? 64'h0000000000300000 : 64'd0);   // 14 15
-
-  wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack;
-  wire [2:0]  grant_space;
-  wire [3:0]  exception;
-  wire [15:0] grant_first, grant_last, grant_file, wb_write, wb_read;
-  wire [18:0] wb_adr;
+`include "modbus_table_codes.vh"
+`include "modbus_bank_wires.vh"
 
   modbus_rtu_core #(
-    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES), .USER_CODES(USER_CODES),
+    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(TABLE_CODES), .USER_CODES(USER_CODES),
     .MAX_READ_BITS(MAX_READ_BITS), .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
     .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA(ADDITIONAL_DATA),
@@ -152,10 +130,9 @@ module modbus_rtu_slave #(
     .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i),
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i),
     .de_tail_i(de_tail_i), .busy_i(busy_i), .failure_i(failure_i),
-    .exception_status_i(exception_status_i), .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .grant_req_o(grant_req), .grant_space_o(grant_space),
-    .grant_first_o(grant_first), .grant_last_o(grant_last), .grant_write_o(grant_write), .grant_file_o(grant_file),
-    .grant_ack_i(grant_ack), .exception_i(exception), .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we),
-    .wb_adr_o(wb_adr), .wb_dat_o(wb_write), .wb_dat_i(wb_read), .wb_ack_i(wb_ack), .wb_err_i(1'b0),
+    .exception_status_i(exception_status_i), .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i),
+`include "modbus_bank_core_inst.vh"
+    ,
     .user_req_o(user_req_o), .user_count_o(user_count_o), .user_adr_i(user_adr_i), .user_dat_o(user_dat_o),
     .user_put_i(user_put_i), .user_dat_i(user_dat_i), .user_done_i(user_done_i), .user_pass_i(user_pass_i),
     .user_exception_i(user_exception_i), .listen_only_o(listen_only_o),
@@ -168,18 +145,13 @@ module modbus_rtu_slave #(
   );
 
   modbus_bank_ram #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
-    .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
-    .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-    .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS), .OVERLAY(OVERLAY)
+`include "modbus_tables_inst.vh"
   ) u_bank (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .grant_req_i(grant_req),
-    .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
-    .grant_write_i(grant_write), .grant_file_i(grant_file), .grant_ack_o(grant_ack), .exception_o(exception), .wb_cyc_i(wb_cyc),
-    .wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write), .wb_dat_o(wb_read),
-    .wb_ack_o(wb_ack), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
-    .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o),
-    .host_err_o(host_err_o)
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i),
+`include "modbus_bank_inst.vh"
+    ,
+    .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i), .host_adr_i(host_adr_i),
+    .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o), .host_err_o(host_err_o)
   );
 
 endmodule

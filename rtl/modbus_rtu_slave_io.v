@@ -9,6 +9,9 @@
 
 `default_nettype none
 
+`define MB_BITS_DEFAULT 16
+`define MB_WORDS_DEFAULT 8
+
 module modbus_rtu_slave_io #(
   parameter integer CLK_HZ              = 50000000,      // clk_i in hertz
   parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
@@ -21,16 +24,8 @@ module modbus_rtu_slave_io #(
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
-  parameter integer COIL_BASE           = 0,             // first address of each table
-  parameter integer COIL_COUNT          = 16,            // its size, 0..65536; 0: no such table
-  parameter integer DISCRETE_BASE       = 0,
-  parameter integer DISCRETE_COUNT      = 16,
-  parameter integer INPUT_BASE          = 0,
-  parameter integer INPUT_COUNT         = 8,
-  parameter integer HOLDING_BASE        = 0,
-  parameter integer HOLDING_COUNT       = 8,
-  parameter integer READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
-  parameter integer READ_ONLY_COUNT     = 0,
+`include "modbus_tables.vh"
+  ,
   parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
   parameter integer SERVER_ID_BYTES     = 1,             // 1..16
   parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // what follows the run indicator, right-justified
@@ -121,25 +116,11 @@ module modbus_rtu_slave_io #(
   output wire        err_gap_o                   // a gap above t1.5
 );
 
-  // The function codes of a table that does not exist are left out.
-  localparam [63:0] CODES = FUNCTION_CODES
-                   & ~((COIL_COUNT == 0)     ? 64'h0000000000008022 : 64'd0)    // 01 05 0F
-                   & ~((DISCRETE_COUNT == 0) ? 64'h0000000000000004 : 64'd0)    // 02
-                   & ~((INPUT_COUNT == 0)    ? 64'h0000000000000010 : 64'd0)    // 04
-                   & ~((HOLDING_COUNT == 0)  ? 64'h0000000001C10048 : 64'd0)    // 03 06 10 16 17 18
-                   & ~64'h0000000000300000;                                     // 14 15
-
-  wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack;
-  wire [2:0]  grant_space;
-  wire [3:0]  exception;
-  wire [15:0] grant_first, grant_last, wb_write, wb_read;
-  // verilator lint_off UNUSED
-  wire [15:0] grant_file;                    // there are no files
-  // verilator lint_on UNUSED
-  wire [18:0] wb_adr;
+`include "modbus_table_codes.vh"
+`include "modbus_bank_wires.vh"
 
   modbus_rtu_core #(
-    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES), .USER_CODES(USER_CODES),
+    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(TABLE_CODES), .USER_CODES(USER_CODES),
     .MAX_READ_BITS(MAX_READ_BITS), .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
     .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA(ADDITIONAL_DATA),
@@ -153,10 +134,9 @@ module modbus_rtu_slave_io #(
     .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i),
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i),
     .de_tail_i(de_tail_i), .busy_i(busy_i), .failure_i(failure_i),
-    .exception_status_i(exception_status_i), .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .grant_req_o(grant_req), .grant_space_o(grant_space),
-    .grant_first_o(grant_first), .grant_last_o(grant_last), .grant_write_o(grant_write), .grant_file_o(grant_file),
-    .grant_ack_i(grant_ack), .exception_i(exception), .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we),
-    .wb_adr_o(wb_adr), .wb_dat_o(wb_write), .wb_dat_i(wb_read), .wb_ack_i(wb_ack), .wb_err_i(1'b0),
+    .exception_status_i(exception_status_i), .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i),
+`include "modbus_bank_core_inst.vh"
+    ,
     .user_req_o(user_req_o), .user_count_o(user_count_o), .user_adr_i(user_adr_i), .user_dat_o(user_dat_o),
     .user_put_i(user_put_i), .user_dat_i(user_dat_i), .user_done_i(user_done_i), .user_pass_i(user_pass_i),
     .user_exception_i(user_exception_i), .listen_only_o(listen_only_o),
@@ -169,17 +149,12 @@ module modbus_rtu_slave_io #(
   );
 
   modbus_bank_io #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
-    .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
-    .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-    .READ_ONLY_COUNT(READ_ONLY_COUNT)
+`include "modbus_tables_inst.vh"
   ) u_bank (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .grant_req_i(grant_req),
-    .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
-    .grant_write_i(grant_write), .grant_ack_o(grant_ack), .exception_o(exception), .wb_cyc_i(wb_cyc),
-    .wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write), .wb_dat_o(wb_read),
-    .wb_ack_o(wb_ack), .coils_o(coils_o), .discretes_i(discretes_i), .inputs_i(inputs_i),
-    .holdings_o(holdings_o)
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i),
+`include "modbus_bank_inst.vh"
+    ,
+    .coils_o(coils_o), .discretes_i(discretes_i), .inputs_i(inputs_i), .holdings_o(holdings_o)
   );
 
 endmodule

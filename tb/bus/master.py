@@ -148,6 +148,32 @@ async def tables_end_where_they_end(dut):
     await tb.finish()
 
 
+@cocotb.test(**LIMIT)
+async def codes_of_a_missing_table_are_missing(dut):
+    """A table of size 0 answers 01 as behind every other bank, a wrong length included; one that exists 02 and 03."""
+    tb = await bench(dut)
+    for code, space in (
+        (FC.READ_COILS, Space.COILS),
+        (FC.READ_DISCRETES, Space.DISCRETES),
+        (FC.READ_INPUTS, Space.INPUTS),
+        (FC.READ_HOLDINGS, Space.HOLDINGS),
+    ):
+        base, count = tb.slave.config.tables[space]
+        for pdu, otherwise in (
+            (frames.read(code, base, 1), None),
+            (frames.read(code, base + count, 1), EX.ADDRESS),
+            (frames.read(code, base, 0), EX.VALUE),
+            (bytes([code, 0]), EX.VALUE),
+        ):
+            tb.bus.begin()
+            answer = await tb.query(frames.adu(OWN, pdu))
+            wanted = EX.FUNCTION if not count else otherwise
+            seen = answer.data[2] if answer.data[1] & 0x80 else None
+            assert seen == wanted, f"{frames.text(pdu)}: expected {wanted}, seen {seen}"
+            assert len(tb.bus.log) == (wanted is None)
+    await tb.finish()
+
+
 @cocotb.test(skip=not AXIL, **LIMIT)
 async def file_records(dut):
     """The bridge makes an address of file and record; on Wishbone the file number is beside the address."""

@@ -11,6 +11,7 @@ import fcntl
 import hashlib
 import json
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -45,6 +46,18 @@ def source_of(name):
     files, folders = sources()
     files += [path for folder in folders for path in folder.glob("*.vh")]
     return next(path for path in files if name in (path.stem, path.name))
+
+
+def expanded(path):
+    """The text of a Verilog file with its include files in their places, conditions of the preprocessor left alone."""
+    folders = sources()[1]
+
+    def included(match):
+        return expanded(next(folder / match[1] for folder in folders if (folder / match[1]).exists()))
+
+    text = re.sub(r'^`include "([^"]+)".*$', included, path.read_text(encoding="utf-8"), flags=re.M)
+    macros = dict(re.findall(r"^`define (\w+) (\S+)$", text, re.M)[::-1])  # the first definition counts
+    return re.sub(r"(?<!define )(?<!undef )(?<!ifndef )`(\w+)", lambda m: macros.get(m[1], m[0]), text)
 
 
 def fresh_verilator():
