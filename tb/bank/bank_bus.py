@@ -179,11 +179,11 @@ async def host_reaches_each_table_to_its_ends(dut):
             ack, err = int(dut.host_ack_o.value), int(dut.host_err_o.value)
             if ack or err:
                 assert not (ack and err)
-                value = int(dut.host_dat_o.value)
+                value = int(dut.host_dat_o.value) if ack else None
                 await clocks(dut)
                 dut.host_cyc_i.value = dut.host_stb_i.value = 0
                 await clocks(dut)
-                return value if ack else None
+                return value
             await clocks(dut)
         raise AssertionError(f"no answer for {space} {item}")
 

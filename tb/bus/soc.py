@@ -236,6 +236,7 @@ async def cpu_that_takes_no_response(dut):
 async def cpu_gives_half_a_write_and_reads_first(dut, first):
     """Address or data early, the other half only behind a read of its own: neither the CPU nor the line waits."""
     soc = await Soc.start(dut, stall_limit=40)
+    await soc.cpu.write(H, 50, 0)
     write = soc.cpu.bus.write_if
     late = write.w_channel if first == "aw" else write.aw_channel
     for value in (0x1357, 0x2468):

@@ -49,14 +49,20 @@ def source_of(name):
 
 
 def expanded(path):
-    """The text of a Verilog file with its include files in their places, conditions of the preprocessor left alone."""
+    """The text of a Verilog file with its include files in their places and its plain macros replaced.
+
+    Conditions of the preprocessor stay; of two definitions of a macro the first counts, as under `ifndef.
+    """
     folders = sources()[1]
 
     def included(match):
-        return expanded(next(folder / match[1] for folder in folders if (folder / match[1]).exists()))
+        return read(next(folder / match[1] for folder in folders if (folder / match[1]).exists()))
 
-    text = re.sub(r'^`include "([^"]+)".*$', included, path.read_text(encoding="utf-8"), flags=re.M)
-    macros = dict(re.findall(r"^`define (\w+) (\S+)$", text, re.M)[::-1])  # the first definition counts
+    def read(file):
+        return re.sub(r'^`include "([^"]+)".*$', included, file.read_text(encoding="utf-8"), flags=re.M)
+
+    text = read(path)
+    macros = dict(re.findall(r"^`define (\w+) (\S+)$", text, re.M)[::-1])
     return re.sub(r"(?<!define )(?<!undef )(?<!ifndef )`(\w+)", lambda m: macros.get(m[1], m[0]), text)
 
 
