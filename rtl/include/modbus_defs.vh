@@ -47,6 +47,9 @@
 `define MB_SPACE_EVENTS    3'd6
 `define MB_SPACE_TEXTS     3'd7
 
+// The space of the core on the host side: modbus_host_map
+`define MB_SPACE_CORE      3'd5
+
 // Counters, by the sub-function of 08H that reads them (V1.1b3, clause 6.8); the event counter has a free number.
 `define MB_CPT_EVENT          5'h0A
 `define MB_CPT_BUS_MESSAGE    5'h0B
@@ -69,5 +72,61 @@
 `define MB_FORMAT_8O1 2'd1
 `define MB_FORMAT_8N2 2'd2
 `define MB_FORMAT_8N1 2'd3
+
+// Run-time settings: fields of settings_i
+`define MB_SET_ADDRESS        7:0      // 1..247; other values: broadcast only
+`define MB_SET_BIT_TIME       23:8     // clocks per bit, 8..65535
+`define MB_SET_FORMAT         25:24    // MB_FORMAT_*
+`define MB_SET_BROADCAST      26       // 1: address 0 is obeyed
+`define MB_SET_GAP_COUNT_ONLY 27       // 1: a gap above t1.5 is only reported, 0: it spoils the frame
+`define MB_SET_STRICT         28       // 1: t3.5 of silence behind the own answer
+`define MB_SET_DROP_LATE      29       // 1: no answer if the line was heard since the request
+`define MB_SET_RESPONSE_DELAY 41:30    // bit times before the answer
+`define MB_SET_STALL_LIMIT    57:42    // bit times a bank may be silent, 0: for ever
+`define MB_SET_DE_LEAD        61:58    // bit times from driver enable to the start bit
+`define MB_SET_DE_TAIL        65:62    // bit times from the last stop bit to driver off
+`define MB_SETTINGS_WIDTH     66
+// State of the host: fields of host_state_i
+`define MB_HOST_BUSY             0
+`define MB_HOST_RUN              1
+`define MB_HOST_FAILURE          5:2    // 0, or the exception code to give instead of execution
+`define MB_HOST_EXCEPTION_STATUS 13:6
+`define MB_HOST_DIAGNOSTIC       28:14  // bits 15..1 of the diagnostic register to set
+`define MB_HOST_STATE_WIDTH      29
+// What happened on the line: strobes of events_o
+`define MB_EVENT_FRAME   0   // a good frame, for any slave
+`define MB_EVENT_PARITY  1   // bad frames, when they end
+`define MB_EVENT_FRAMING 2
+`define MB_EVENT_OVERRUN 3   // characters came while a request was worked on
+`define MB_EVENT_CRC     4   // the check field alone is wrong
+`define MB_EVENT_SHORT   5   // fewer than 4 bytes
+`define MB_EVENT_LONG    6   // more than 256 bytes
+`define MB_EVENT_GAP     7   // a gap above t1.5
+`define MB_EVENTS_WIDTH  8
+// A user's reply on the user port: fields of user_reply_i
+`define MB_USER_PUT       0     // strobe: append MB_USER_DATA to the answer
+`define MB_USER_DONE      1     // strobe: finished
+`define MB_USER_PASS      2     //   with DONE: not the user's after all
+`define MB_USER_EXCEPTION 6:3   //   with DONE: 0, the answer is complete; else the exception code
+`define MB_USER_DATA      14:7
+`define MB_USER_REPLY_WIDTH 15
+// Frames from the line to the engine: bits of frame_i / frame_o
+`define MB_FRAME_GOOD      0   // strobe: a good frame for us, t3.5 has passed
+`define MB_FRAME_BROADCAST 1   //   level with GOOD
+`define MB_FRAME_FOREIGN   2   // strobe: a good frame for another slave
+`define MB_FRAME_BAD       3   // strobe: a bad frame
+`define MB_FRAME_LONG      4   //   level with BAD: more than 256 bytes
+`define MB_FRAME_WIDTH     5
+// What the line does in the frame RAM: strobes of ram_do
+`define MB_RAM_OPEN  0   // a frame begins: cursor and count to 0
+`define MB_RAM_LOOK  1   // cursor to the first byte
+`define MB_RAM_STORE 2   // the received byte goes under the cursor; cursor and count up
+`define MB_RAM_NEXT  3   // a byte was sent: cursor up, count down
+`define MB_RAM_WIDTH 4
+// What the engine tells the line: strobes of verdict
+`define MB_VERDICT_SEND    0   // send the answer that stands in the frame RAM
+`define MB_VERDICT_QUIET   1   // the frame is dealt with, nothing to send
+`define MB_VERDICT_RESTART 2   // t3.5 of silence before anything is heard again
+`define MB_VERDICT_WIDTH   3
 
 `endif
