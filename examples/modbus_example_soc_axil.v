@@ -15,6 +15,7 @@
 // address early and its data after a read of its own, or that does not take a response, holds up itself only.
 
 `default_nettype none
+`include "modbus_defs.vh"
 
 module modbus_example_soc_axil #(
   parameter integer CLK_HZ     = 50000000,       // clk_i in hertz
@@ -64,24 +65,26 @@ module modbus_example_soc_axil #(
   // verilator lint_off PINCONNECTEMPTY
 
   // Every function code but those of files
-  localparam [63:0] CODES = 64'h0000080001C399FE;
+  localparam [127:0] CODES = `MB_ALL_FUNCTIONS & ~`MB_FILE_FUNCTIONS;
 
 `include "modbus_bank_wires.vh"
+
+  wire [`MB_SETTINGS_WIDTH-1:0] usual = `MB_LINE_SETTINGS(address_i, bit_time_i, format_i);
+  reg  [`MB_SETTINGS_WIDTH-1:0] settings;
+
+  always @* begin
+    settings = usual;
+    settings[`MB_SET_STALL_LIMIT] = stall_limit_i;
+  end
 
   modbus_rtu_core #(
     .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES)
   ) u_modbus (
-    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
-    .bit_time_i(bit_time_i), .format_i(format_i), .stall_limit_i(stall_limit_i), .broadcast_en_i(1'b1),
-    .gap_count_only_i(1'b0), .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .de_lead_i(4'd1), .de_tail_i(4'd0),
-    .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
+    .host_state_i(`MB_HOST_AT_REST), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
+    .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(), .status_ack_o(),
+    .write_stb_o(), .events_o(), .alive_o(), .rx_active_o(), .listen_only_o(), .idle_o(),
 `include "modbus_bank_core_inst.vh"
-    ,
-    .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0), .user_dat_i(8'd0),
-    .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .listen_only_o(), .diagnostic_register_o(),
-    .log_count_o(), .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(), .counter_ack_o(), .write_stb_o(),
-    .write_space_o(), .write_first_o(), .write_last_o(), .write_file_o(), .alive_o(), .rx_active_o(), .frame_stb_o(),
-    .err_parity_o(), .err_framing_o(), .err_overrun_o(), .err_crc_o(), .err_short_o(), .err_long_o(), .err_gap_o()
   );
 
   // The core as a master; addresses above the map's 2 MiB are 0 here, for the map begins at 0

@@ -105,10 +105,11 @@ module modbus_pdm_meter #(
   endgenerate
 
   // PDM meter protocol, 1.2 and 1.3
-  localparam [63:0] CODES = 64'h10048                               // 03 06 10
-                          | ((DO_COUNT > 0) ? 64'h22 : 64'h0)       // 01 05
-                          | ((DI_COUNT > 0) ? 64'h04 : 64'h0);      // 02
-  localparam [127:0] OFFERED = (EVENT_RECORD != 0) ? 128'h08 : 128'h0;        // 03
+  localparam [127:0] CODES = `MB_BIT(`MB_FC_READ_HOLDING_REGISTERS) | `MB_BIT(`MB_FC_WRITE_SINGLE_REGISTER)
+                           | `MB_BIT(`MB_FC_WRITE_MULTIPLE_REGISTERS)
+                           | ((DO_COUNT > 0) ? `MB_BIT(`MB_FC_READ_COILS) | `MB_BIT(`MB_FC_WRITE_SINGLE_COIL) : 128'd0)
+                           | ((DI_COUNT > 0) ? `MB_BIT(`MB_FC_READ_DISCRETE_INPUTS) : 128'd0);
+  localparam [127:0] OFFERED = (EVENT_RECORD != 0) ? `MB_BIT(`MB_FC_READ_HOLDING_REGISTERS) : 128'd0;
   localparam integer MOST_READ = 50, MOST_WRITTEN = 60;
   // A host that never lets go of the registers does not silence the meter.
   localparam [15:0]  STALL_BITS = 16'd200;
@@ -118,6 +119,41 @@ module modbus_pdm_meter #(
   wire        user_req, user_put, user_done, user_pass;
   wire [7:0]  user_count, user_adr, user_request, user_answer;
   wire [3:0]  user_exception;
+  wire [`MB_USER_REPLY_WIDTH-1:0] user_reply;
+  wire [`MB_HOST_STATE_WIDTH-1:0] host_state;
+  wire [`MB_EVENTS_WIDTH-1:0]     events;
+  reg  [`MB_SETTINGS_WIDTH-1:0]   settings;
+
+  assign user_reply[`MB_USER_PUT]       = user_put;
+  assign user_reply[`MB_USER_DATA]      = user_answer;
+  assign user_reply[`MB_USER_DONE]      = user_done;
+  assign user_reply[`MB_USER_PASS]      = user_pass;
+  assign user_reply[`MB_USER_EXCEPTION] = user_exception;
+
+  assign host_state[`MB_HOST_BUSY]             = busy_i;
+  assign host_state[`MB_HOST_RUN]              = 1'b1;
+  assign host_state[`MB_HOST_FAILURE]          = 4'd0;
+  assign host_state[`MB_HOST_EXCEPTION_STATUS] = 8'd0;
+  assign host_state[`MB_HOST_DIAGNOSTIC]       = 15'd0;
+
+  always @* begin
+    settings = `MB_LINE_SETTINGS(address_i, bit_time_i, format_i);
+    settings[`MB_SET_STALL_LIMIT] = STALL_BITS;
+    settings[`MB_SET_DE_LEAD]     = 4'd0;
+  end
+
+  assign frame_stb_o   = events[`MB_EVENT_FRAME];
+  assign err_parity_o  = events[`MB_EVENT_PARITY];
+  assign err_framing_o = events[`MB_EVENT_FRAMING];
+  assign err_overrun_o = events[`MB_EVENT_OVERRUN];
+  assign err_crc_o     = events[`MB_EVENT_CRC];
+  assign err_short_o   = events[`MB_EVENT_SHORT];
+  assign err_long_o    = events[`MB_EVENT_LONG];
+  assign err_gap_o     = events[`MB_EVENT_GAP];
+
+  assign write_space_o = grant_space;
+  assign write_first_o = grant_first;
+  assign write_last_o  = grant_last;
 
   // Diagnostics, identity and files are not in FUNCTION_CODES: nothing of them is built, and their ports stay open.
   // verilator lint_off PINCONNECTEMPTY
@@ -125,20 +161,13 @@ module modbus_pdm_meter #(
     .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(CODES), .USER_CODES(OFFERED),
     .MAX_READ_REGISTERS(MOST_READ), .MAX_WRITE_REGISTERS(MOST_WRITTEN), .ALIVE_TIMEOUT_MS(ALIVE_TIMEOUT_MS)
   ) u_core (
-    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
-    .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
-    .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(STALL_BITS), .de_lead_i(4'd0),
-    .de_tail_i(4'd0), .busy_i(busy_i), .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1),
-    .diagnostic_i(16'd0), .listen_only_o(), .diagnostic_register_o(), .log_count_o(), .counter_stb_i(1'b0),
-    .counter_adr_i(7'd0), .counter_dat_o(), .counter_ack_o(), .user_req_o(user_req), .user_count_o(user_count),
-    .user_adr_i(user_adr), .user_dat_o(user_request), .user_put_i(user_put), .user_dat_i(user_answer),
-    .user_done_i(user_done), .user_pass_i(user_pass), .user_exception_i(user_exception),
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
+    .host_state_i(host_state), .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr),
+    .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
+    .status_ack_o(),
 `include "modbus_bank_core_inst.vh"
-    , .write_stb_o(write_stb_o), .write_space_o(write_space_o),
-    .write_first_o(write_first_o), .write_last_o(write_last_o), .write_file_o(), .alive_o(alive_o),
-    .rx_active_o(rx_active_o), .frame_stb_o(frame_stb_o), .err_parity_o(err_parity_o),
-    .err_framing_o(err_framing_o), .err_overrun_o(err_overrun_o), .err_crc_o(err_crc_o),
-    .err_short_o(err_short_o), .err_long_o(err_long_o), .err_gap_o(err_gap_o)
+    , .write_stb_o(write_stb_o),
+    .events_o(events), .alive_o(alive_o), .rx_active_o(rx_active_o), .listen_only_o(), .idle_o()
   );
   // verilator lint_on PINCONNECTEMPTY
 

@@ -15,32 +15,7 @@
 `include "modbus_steps.vh"
 
 module modbus_rtu_core #(
-  parameter integer CLK_HZ              = 50000000,      // clk_i in hertz
-  parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
-  parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
-  parameter [63:0]  FUNCTION_CODES      = 64'h0000080001F399FE,  // bit n: function code n is built in
-  parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user first
-  parameter integer MAX_READ_BITS       = 2000,          // 1..2000
-  parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
-  parameter integer MAX_READ_REGISTERS  = 125,           // 1..125
-  parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
-  parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
-  parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
-  parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
-  parameter integer SERVER_ID_BYTES     = 1,             // 1..16
-  parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // what follows the run indicator, right-justified
-  parameter integer ADDITIONAL_DATA_BYTES = 0,           // 0..234
-  parameter [1951:0] VENDOR_NAME        = "VENDOR",      // function code 2BH: objects 00, 01, 02
-  parameter [1951:0] PRODUCT_CODE       = "PRODUCT",
-  parameter [1951:0] REVISION           = "V1.0",
-  parameter [1951:0] VENDOR_URL         = "",            // 03 to 06, not there if empty
-  parameter [1951:0] PRODUCT_NAME       = "",
-  parameter [1951:0] MODEL_NAME         = "",
-  parameter [1951:0] USER_APPLICATION_NAME = "",
-  parameter [4095:0] PRIVATE_OBJECTS    = 4096'd0,       // {object 80H.., length, value}..., right-justified
-  parameter [7:0]   CONFORMITY          = 8'h81,         // 01 02 03 81 82 83
-  parameter integer DEVICE_ID_LIMIT     = 253,           // largest PDU of its answers
-  parameter integer ALIVE_TIMEOUT_MS    = 0              // alive_o falls so long after the last frame for us, 0: never
+`include "modbus_config.vh"
 ) (
   input  wire        clk_i,
   input  wire        rst_i,                      // synchronous, active high
@@ -50,22 +25,10 @@ module modbus_rtu_core #(
   output wire        txd_o,                      // idle 1
   output wire        de_o,                       // driver enable, active high
 
-  // Configuration: tie to constants, or change while the line is idle
-  input  wire [7:0]  address_i,                  // 1..247; other values: broadcast only
-  input  wire [15:0] bit_time_i,                 // clocks per bit, 8..65535
-  input  wire [1:0]  format_i,                   // 0 8E1, 1 8O1, 2 8N2, 3 8N1
-  input  wire        broadcast_en_i,             // 1: address 0 is obeyed
-  input  wire        gap_count_only_i,           // 1: a gap above t1.5 is only reported, 0: spoils the frame
-  input  wire        strict_turnaround_i,        // 1: t3.5 of silence behind the own answer
-  input  wire [11:0] response_delay_i,           // bit times before the answer
-  input  wire [15:0] stall_limit_i,              // bit times a bank may be silent, 0: for ever
-  input  wire [3:0]  de_lead_i,                  // bit times from driver enable to the start bit
-  input  wire [3:0]  de_tail_i,                  // bit times from the last stop bit to driver off
-  input  wire        busy_i,                     // 1: exception 06 where nothing else is wrong
-  input  wire [3:0]  failure_i,                  // 0, or the exception code to give instead of execution
-  input  wire [7:0]  exception_status_i,         // function code 07H
-  input  wire        run_indicator_i,            // function code 11H: 1 FFH, 0 00H
-  input  wire [15:0] diagnostic_i,               // bits 15..1 set those of the diagnostic register
+  // Run-time settings and the host's state: fields MB_SET_* and MB_HOST_* of modbus_defs.vh.  Tie them to constants, or
+  // change settings while idle_o is high.
+  input  wire [`MB_SETTINGS_WIDTH-1:0]   settings_i,
+  input  wire [`MB_HOST_STATE_WIDTH-1:0] host_state_i,
 
   // Bank: grant
   output wire        grant_req_o,                // level until grant_ack_i or the stall limit; then forget the question
@@ -92,37 +55,22 @@ module modbus_rtu_core #(
   output wire [7:0]  user_count_o,               // its bytes, address included, check field not
   input  wire [7:0]  user_adr_i,                 // which of them
   output wire [7:0]  user_dat_o,                 // a clock later
-  input  wire        user_put_i,                 // strobe: append a byte to the answer
-  input  wire [7:0]  user_dat_i,
-  input  wire        user_done_i,                // strobe: finished, and how:
-  input  wire        user_pass_i,                //   1: not the user's after all
-  input  wire [3:0]  user_exception_i,           //   0: the answer is complete, else the exception code
+  input  wire [`MB_USER_REPLY_WIDTH-1:0] user_reply_i,   // fields MB_USER_*
 
-  // Diagnostics
-  output wire        listen_only_o,
-  output wire [15:0] diagnostic_register_o,
-  output wire [6:0]  log_count_o,                // entries of the event log, 0..64
-  input  wire        counter_stb_i,              // level until counter_ack_o
-  input  wire [6:0]  counter_adr_i,              // 0AH event counter, 0BH..12H by sub-function, 40H + n log entry
-  output wire [15:0] counter_dat_o,              // valid with counter_ack_o
-  output wire        counter_ack_o,
+  // Status port: 00 diagnostic register, 01 bit 0 listen-only, 02 entries of the event log, 0AH event counter,
+  // 0BH..12H counters by sub-function of 08H, 40H + n log entry n, the newest first
+  input  wire        status_stb_i,               // level until status_ack_o
+  input  wire [6:0]  status_adr_i,
+  output wire [15:0] status_dat_o,               // valid with status_ack_o
+  output wire        status_ack_o,
 
-  // Events: strobes of one clock, but alive_o and rx_active_o
-  output wire        write_stb_o,                // a write is committed:
-  output wire [2:0]  write_space_o,              //   valid with write_stb_o
-  output wire [15:0] write_first_o,
-  output wire [15:0] write_last_o,
-  output wire [15:0] write_file_o,               //   space 4: file number
+  // What happens
+  output wire        write_stb_o,                // strobe: a write is committed: grant_space_o, _first_o, _last_o, _file_o
+  output wire [`MB_EVENTS_WIDTH-1:0]     events_o,       // strobes MB_EVENT_*
   output wire        alive_o,                    // level : a master talks to us
   output wire        rx_active_o,                // level : a frame is being received
-  output wire        frame_stb_o,                // good frame, for whomever
-  output wire        err_parity_o,               // bad frames, when they end
-  output wire        err_framing_o,
-  output wire        err_overrun_o,              // characters came while a request was worked on
-  output wire        err_crc_o,                  // check field wrong and nothing else
-  output wire        err_short_o,                // fewer than 4 bytes
-  output wire        err_long_o,                 // more than 256 bytes
-  output wire        err_gap_o                   // a gap above t1.5
+  output wire        listen_only_o,              // level : listen-only mode
+  output wire        idle_o                      // level : nothing is received, worked on or sent
 );
 
   generate
@@ -140,6 +88,40 @@ module modbus_rtu_core #(
   localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
 
 `include "modbus_features.vh"
+
+  // TRANSITION
+  wire [7:0]  address_i = settings_i[`MB_SET_ADDRESS];
+  wire [15:0] bit_time_i = settings_i[`MB_SET_BIT_TIME];
+  wire [1:0]  format_i = settings_i[`MB_SET_FORMAT];
+  wire        broadcast_en_i = settings_i[`MB_SET_BROADCAST];
+  wire        gap_count_only_i = settings_i[`MB_SET_GAP_COUNT_ONLY];
+  wire        strict_turnaround_i = settings_i[`MB_SET_STRICT];
+  wire drop_late = settings_i[`MB_SET_DROP_LATE];
+  wire [11:0] response_delay_i = settings_i[`MB_SET_RESPONSE_DELAY];
+  wire [15:0] stall_limit_i = settings_i[`MB_SET_STALL_LIMIT];
+  wire [3:0]  de_lead_i = settings_i[`MB_SET_DE_LEAD];
+  wire [3:0]  de_tail_i = settings_i[`MB_SET_DE_TAIL];
+  wire        busy_i = host_state_i[`MB_HOST_BUSY];
+  wire [3:0]  failure_i = host_state_i[`MB_HOST_FAILURE];
+  wire [7:0]  exception_status_i = host_state_i[`MB_HOST_EXCEPTION_STATUS];
+  wire        run_indicator_i = host_state_i[`MB_HOST_RUN];
+  wire [15:0] diagnostic_i = {host_state_i[`MB_HOST_DIAGNOSTIC], 1'b0};
+  wire        user_put_i = user_reply_i[`MB_USER_PUT];
+  wire [7:0]  user_dat_i = user_reply_i[`MB_USER_DATA];
+  wire        user_done_i = user_reply_i[`MB_USER_DONE];
+  wire        user_pass_i = user_reply_i[`MB_USER_PASS];
+  wire [3:0]  user_exception_i = user_reply_i[`MB_USER_EXCEPTION];
+  wire        counter_stb_i = status_stb_i;
+  wire [6:0]  counter_adr_i = status_adr_i;
+  wire [15:0] counter_dat_o, diagnostic_register_o;
+  wire [6:0]  log_count_o;
+  wire        counter_ack_o;
+  wire        err_parity_o, err_framing_o, err_overrun_o, err_crc_o, err_short_o, err_long_o, err_gap_o, frame_stb_o;
+  assign status_ack_o = counter_ack_o;
+  assign status_dat_o = (status_adr_i == 7'd0) ? diagnostic_register_o : (status_adr_i == 7'd1) ? {15'd0, listen_only_o} :
+                        (status_adr_i == 7'd2) ? {9'd0, log_count_o} : counter_dat_o;
+  assign events_o = {err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o};
+  assign idle_o = ~(drop_late & 1'b0) & ~(rx_active_o | rx_busy | drive | waiting | tx_waits);
 
   // Bit clock
   wire       quarter_stb, bit_stb, rx_restart, tx_restart, send_stb;
@@ -362,10 +344,6 @@ module modbus_rtu_core #(
   assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : counters_data;
 
   assign grant_space_o = space;
-  assign write_space_o = space;
-  assign write_first_o = grant_first_o;
-  assign write_last_o  = grant_last_o;
-  assign write_file_o  = grant_file_o;
   assign frame_stb_o   = good_stb | foreign_stb;
 
   // Answers

@@ -1,38 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_live - the drop-in slave as the live device runs it: switches it does not offer are tied off.
+// modbus_live - core and block RAM as the live device runs them; switches it does not offer are tied off.
 //
-// USER_FUNCTIONS = 1 puts modbus_example_user on the user port: function codes 41H, 42H, 64H.
+// With bits 41H, 42H, 64H in USER_CODES modbus_example_user is on the user port.
 //
 // Every input passes a register. That changes nothing on the line but one clock of delay, and lets the
 // compiled model evaluate the logic behind the inputs once a clock instead of twice.
 
 `default_nettype none
+`include "modbus_defs.vh"
 
 module modbus_live #(
-  parameter CLK_HZ = 1843200,
-  parameter MAX_READ_REGISTERS = 125, MAX_WRITE_REGISTERS = 123,
-  parameter COIL_BASE = 0,     COIL_COUNT = 1024,
-  parameter DISCRETE_BASE = 0, DISCRETE_COUNT = 2048,
-  parameter INPUT_BASE = 0,    INPUT_COUNT = 1024,
-  parameter HOLDING_BASE = 0,  HOLDING_COUNT = 2048,
-  parameter FILE_COUNT = 4,    FILE_RECORDS = 256,
-  parameter USER_FUNCTIONS = 0,
-  parameter [127:0]  SERVER_ID = 128'h09,
-  parameter          SERVER_ID_BYTES = 1,
-  parameter [1999:0] ADDITIONAL_DATA = 2000'd0,
-  parameter          ADDITIONAL_DATA_BYTES = 0,
-  parameter [1951:0] VENDOR_NAME = "VENDOR",
-  parameter [1951:0] PRODUCT_CODE = "PRODUCT",
-  parameter [1951:0] REVISION = "V1.0",
-  parameter [1951:0] VENDOR_URL = "",
-  parameter [1951:0] PRODUCT_NAME = "",
-  parameter [1951:0] MODEL_NAME = "",
-  parameter [1951:0] USER_APPLICATION_NAME = "",
-  parameter [4095:0] PRIVATE_OBJECTS = 4096'd0,
-  parameter [7:0]    CONFORMITY = 8'h81,
-  parameter          DEVICE_ID_LIMIT = 253
+  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 1024,
+  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 2048,
+  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 1024,
+  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 2048,
+  parameter integer FILE_COUNT = 4,     parameter integer FILE_RECORDS = 256,
+`include "modbus_config.vh"
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
@@ -60,7 +45,6 @@ module modbus_live #(
   output wire        host_err_o
 );
 
-  localparam [127:0] USER_CODES = (USER_FUNCTIONS != 0) ? 128'h00000010_00000006_00000000_00000000 : 128'd0;
   // Time stands still once the line has been idle for 20 ms: a job must be done before.
   localparam integer WORK_CLOCKS = CLK_HZ / 100;
 
@@ -94,19 +78,21 @@ module modbus_live #(
     host_dat_q <= host_dat_i;
   end
 
-  wire       user_req, user_put, user_done, user_pass;
-  wire [7:0] user_count, user_adr, user_request, user_answer;
-  wire [3:0] user_exception;
+  wire                            user_req;
+  wire [7:0]                      user_count, user_adr, user_request;
+  wire [`MB_USER_REPLY_WIDTH-1:0] user_reply;
 
   generate
-    if (USER_FUNCTIONS != 0) begin : gen_user
+    if (USER_CODES != 128'd0) begin : gen_user
       modbus_example_user #(.WORK_CLOCKS(WORK_CLOCKS)) u_user (
         .clk_i(clk_i), .rst_i(rst_q), .user_req_i(user_req), .user_count_i(user_count), .user_adr_o(user_adr),
-        .user_dat_i(user_request), .user_put_o(user_put), .user_dat_o(user_answer), .user_done_o(user_done),
-        .user_pass_o(user_pass), .user_exception_o(user_exception)
+        .user_dat_i(user_request), .user_put_o(user_reply[`MB_USER_PUT]), .user_dat_o(user_reply[`MB_USER_DATA]),
+        .user_done_o(user_reply[`MB_USER_DONE]), .user_pass_o(user_reply[`MB_USER_PASS]),
+        .user_exception_o(user_reply[`MB_USER_EXCEPTION])
       );
     end else begin : gen_no_user
-      assign {user_adr, user_put, user_answer, user_done, user_pass, user_exception} = 23'd0;
+      assign user_adr   = 8'd0;
+      assign user_reply = `MB_NO_USER;
       // Nothing is offered without a bit in USER_CODES:
       // verilator lint_off UNUSED
       wire [16:0] no_user = {user_req, user_count, user_request};
@@ -114,32 +100,55 @@ module modbus_live #(
     end
   endgenerate
 
+  // The driver needs no lead: the line is simulated.
+  reg  [`MB_SETTINGS_WIDTH-1:0]   settings;
+  wire [`MB_HOST_STATE_WIDTH-1:0] host_state;
+
+  always @* begin
+    settings = `MB_LINE_SETTINGS(address_q, bit_time_q, format_q);
+    settings[`MB_SET_DE_LEAD] = 4'd0;
+  end
+
+  assign host_state[`MB_HOST_BUSY]             = busy_q;
+  assign host_state[`MB_HOST_RUN]              = run_indicator_q;
+  assign host_state[`MB_HOST_FAILURE]          = failure_q;
+  assign host_state[`MB_HOST_EXCEPTION_STATUS] = exception_status_q;
+  assign host_state[`MB_HOST_DIAGNOSTIC]       = diagnostic_q[15:1];
+
+`include "modbus_bank_wires.vh"
+
+  assign wb_err = 1'b0;
+
+  // A table that MAP does not name does not exist.
+  localparam [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS
+    & ~((COIL_COUNT == 0)     ? `MB_COIL_FUNCTIONS     : 128'd0)
+    & ~((DISCRETE_COUNT == 0) ? `MB_DISCRETE_FUNCTIONS : 128'd0)
+    & ~((INPUT_COUNT == 0)    ? `MB_INPUT_FUNCTIONS    : 128'd0)
+    & ~((HOLDING_COUNT == 0)  ? `MB_HOLDING_FUNCTIONS  : 128'd0)
+    & ~((FILE_COUNT == 0)     ? `MB_FILE_FUNCTIONS     : 128'd0);
+
+  // The device has no host: its outputs are open.
   // verilator lint_off PINCONNECTEMPTY
-  // Outputs for a host are open: the device has none.
-  modbus_rtu_slave #(
-    .CLK_HZ(CLK_HZ), .USER_CODES(USER_CODES),
-    .MAX_READ_REGISTERS(MAX_READ_REGISTERS), .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS),
+  modbus_rtu_core #(
+    .FUNCTION_CODES(FUNCTION_CODES),
+`include "modbus_config_inst.vh"
+  ) u_core (
+    .clk_i(clk_i), .rst_i(rst_q), .rxd_i(rxd_q), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
+    .host_state_i(host_state), .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr),
+    .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
+    .status_ack_o(), .write_stb_o(), .events_o(), .alive_o(), .rx_active_o(), .listen_only_o(), .idle_o(),
+`include "modbus_bank_core_inst.vh"
+  );
+
+  modbus_bank_ram #(
     .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
     .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
-    .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS), .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES),
-    .ADDITIONAL_DATA(ADDITIONAL_DATA), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .VENDOR_NAME(VENDOR_NAME),
-    .PRODUCT_CODE(PRODUCT_CODE), .REVISION(REVISION), .VENDOR_URL(VENDOR_URL), .PRODUCT_NAME(PRODUCT_NAME),
-    .MODEL_NAME(MODEL_NAME), .USER_APPLICATION_NAME(USER_APPLICATION_NAME), .PRIVATE_OBJECTS(PRIVATE_OBJECTS),
-    .CONFORMITY(CONFORMITY), .DEVICE_ID_LIMIT(DEVICE_ID_LIMIT)
-  ) u_slave (
-    .clk_i(clk_i), .rst_i(rst_q), .rxd_i(rxd_q), .txd_o(txd_o), .de_o(de_o),
-    .address_i(address_q), .bit_time_i(bit_time_q), .format_i(format_q), .broadcast_en_i(1'b1),
-    .gap_count_only_i(1'b0), .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(16'd0),
-    .de_lead_i(4'd0), .de_tail_i(4'd0), .busy_i(busy_q), .failure_i(failure_q),
-    .exception_status_i(exception_status_q), .run_indicator_i(run_indicator_q), .diagnostic_i(diagnostic_q),
-    .write_lock_i(1'b0), .host_cyc_i(host_stb_q), .host_stb_i(host_stb_q), .host_we_i(host_stb_q),
-    .host_adr_i(host_adr_q), .host_dat_i(host_dat_q), .host_dat_o(), .host_ack_o(host_ack_o), .host_err_o(host_err_o),
-    .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr), .user_dat_o(user_request),
-    .user_put_i(user_put), .user_dat_i(user_answer), .user_done_i(user_done), .user_pass_i(user_pass),
-    .user_exception_i(user_exception), .listen_only_o(), .diagnostic_register_o(), .log_count_o(),
-    .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(), .counter_ack_o(), .write_stb_o(), .write_space_o(),
-    .write_first_o(), .write_last_o(), .write_file_o(), .alive_o(), .rx_active_o(), .frame_stb_o(), .err_parity_o(),
-    .err_framing_o(), .err_overrun_o(), .err_crc_o(), .err_short_o(), .err_long_o(), .err_gap_o()
+    .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS)
+  ) u_bank (
+    .clk_i(clk_i), .rst_i(rst_q), .write_lock_i(1'b0), .host_cyc_i(host_stb_q), .host_stb_i(host_stb_q),
+    .host_we_i(host_stb_q), .host_adr_i(host_adr_q), .host_dat_i(host_dat_q), .host_dat_o(), .host_ack_o(host_ack_o),
+    .host_err_o(host_err_o),
+`include "modbus_bank_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY
 

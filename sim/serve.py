@@ -37,7 +37,7 @@ FORMATS = {("even", 1): 0, ("odd", 1): 1, ("none", 2): 2, ("none", 1): 3}
 # DEVICE: top module and its parameters
 DEVICES = {
     "standard": ("modbus_live", {}),
-    "user": ("modbus_live", {"USER_FUNCTIONS": 1}),
+    "user": ("modbus_live", {"USER_CODES": f"128'h{1 << 0x41 | 1 << 0x42 | 1 << 0x64:x}"}),
     "pdm": ("modbus_live_pdm", {}),
 }
 METER = {"coils": range(0), "discretes": range(4), "inputs": range(0), "holdings": range(512)}

@@ -35,7 +35,7 @@ SUITES = {
     "axil_master_unguarded": (MASTER, {**MAPPED, "AXIL": 1, "GUARD": 0}, "master", "waits/odds=0.5|tables"),
     "wishbone_master": (MASTER, {**MAPPED, "AXIL": 0}, "master", None),
     "axil_slave": (SLAVE, MAPPED, "slave", None),
-    "wishbone_host": ("modbus_rtu_slave", MAPPED, "slave", None),
+    "wishbone_host": ("slave_bench", MAPPED, "slave", None),
     "soc_axil": ("modbus_example_soc_axil", NO_FLOORS, "soc", None),
     "soc_axil_largest": ("modbus_example_soc_axil", {**NO_FLOORS, "WORDS": 65536}, "soc", "half_a_write"),
     "soc_wishbone": ("modbus_example_soc_wb", NO_FLOORS, "soc", None),

@@ -31,6 +31,9 @@ EVERYTHING = config_parameters(
 LEGAL = [
     (SLAVE, {}),
     (IO, {}),
+    (SLAVE, {"ADDRESS": 0, "BAUD": 763, "FORMAT": 3, "RESPONSE_DELAY": 4095, "STALL_LIMIT": 65535, "DE_LEAD": 15}),
+    (SLAVE, {"BAUD": 6_250_000, "DE_TAIL": 15, "DROP_LATE": 1, "STRICT_TURNAROUND": 1, "GAP_COUNT_ONLY": 1}),
+    (IO, {"CLK_HZ": 12_000_000, "BAUD": 921_600, "BROADCAST": 0}),
     (CORE, {}),
     (SLAVE, {"COIL_COUNT": 65536, "DISCRETE_COUNT": 0, "INPUT_BASE": 65535, "INPUT_COUNT": 1}),
     (SLAVE, {"T15_MIN_US": 0, "T35_MIN_US": 0, "MAX_READ_BITS": 1, "RW_MAX_WRITE": 1}),
@@ -56,6 +59,19 @@ LEGAL = [
 ILLEGAL = [
     (SLAVE, {"COIL_COUNT": 65537}),
     (SLAVE, {"COIL_COUNT": -1}),
+    (SLAVE, {"ADDRESS": 248}),
+    (IO, {"ADDRESS": -1}),
+    (SLAVE, {"BAUD": 0}),
+    (SLAVE, {"BAUD": 700}),  # 71429 clocks a bit
+    (SLAVE, {"BAUD": 6_500_000}),  # 7.7 clocks, rounded to 8: 4 % off
+    (IO, {"CLK_HZ": 10_000_000, "BAUD": 1_050_000}),  # 9.52 clocks, rounded to 10: 5 % off
+    (SLAVE, {"FORMAT": 4}),
+    (SLAVE, {"RESPONSE_DELAY": 4096}),
+    (SLAVE, {"STALL_LIMIT": 65536}),
+    (SLAVE, {"DE_LEAD": 16}),
+    (IO, {"DE_TAIL": -1}),
+    (SLAVE, {"BROADCAST": 2}),
+    (IO, {"GAP_COUNT_ONLY": -1}),
     (SLAVE, {"COIL_BASE": 65535, "COIL_COUNT": 2}),
     (SLAVE, {"DISCRETE_BASE": 65500, "DISCRETE_COUNT": 64}),
     (SLAVE, {"INPUT_BASE": 65536, "INPUT_COUNT": 1}),
@@ -78,7 +94,7 @@ ILLEGAL = [
     (CORE, {"T15_MIN_US": -1}),
     (CORE, {"CLK_HZ": 0}),
     (CORE, {"ALIVE_TIMEOUT_MS": -1}),
-    *((CORE, {"FUNCTION_CODES": 1 << code}) for code in (0, 9, 10, 13, 14, 18, 19, 25, 42, 44, 63)),
+    *((CORE, {"FUNCTION_CODES": 1 << code}) for code in (0, 9, 10, 13, 14, 18, 19, 25, 42, 44, 63, 65, 127)),
     (SLAVE, {"FUNCTION_CODES": 1 << 9}),
     (IO, {"FUNCTION_CODES": 1 << 44}),
     (SLAVE, {"FILE_COUNT": -1}),

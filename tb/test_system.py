@@ -8,7 +8,8 @@ from harness.runner import run
 from protocol import vectors
 from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, DIAGNOSTIC_FUNCTIONS, FC, FILE_FUNCTIONS, Space
 
-SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
+SLAVE, IO, CORE = "slave_bench", "io_bench", "core_bench"
+DROP_IN, DROP_IN_IO = "modbus_rtu_slave", "modbus_rtu_slave_io"
 PDM = "modbus_pdm_meter"
 
 FAST = {**REFERENCE, **NO_FLOORS}  # the live device's map; t1.5 and t3.5 in characters only
@@ -81,6 +82,21 @@ EXAMPLE_USER = {
 }
 PDM_REGISTERS = {**NO_FLOORS, "DI_COUNT": 0, "DO_COUNT": 0, "EVENT_DEPTH": 4}
 PDM_WIDE = {**NO_FLOORS, "DI_COUNT": 19, "DO_COUNT": 9, "SETTING_COUNT": 300, "MEASURED_COUNT": 2}
+# Each setting of the drop-ins other than its default
+SET = {
+    **NO_FLOORS,
+    "CLK_HZ": 1_000_000,
+    "BAUD": 62_500,
+    "ADDRESS": 247,
+    "FORMAT": 3,
+    "BROADCAST": 0,
+    "GAP_COUNT_ONLY": 1,
+    "STRICT_TURNAROUND": 1,
+    "RESPONSE_DELAY": 5,
+    "DE_LEAD": 3,
+    "DE_TAIL": 2,
+}
+QUICK = {**NO_FLOORS, "CLK_HZ": 2_000_000, "BAUD": 250_000}
 IO_READ_ONLY = {**IO_MAPPED, "READ_ONLY_BASE": 404, "READ_ONLY_COUNT": 2}
 
 
@@ -176,6 +192,11 @@ SUITES = {
     "speed_floors": (SLAVE, SLOW_CLOCK, "speed", "silences"),
     "timing": (SLAVE, REFERENCE, "timing", None),
     "io": (IO, NO_FLOORS, "io_bank", None),
+    "drop_in": (DROP_IN, QUICK, "drop_in", None),
+    "drop_in_set": (DROP_IN, SET, "drop_in", None),
+    "drop_in_8n2": (DROP_IN, {**QUICK, "FORMAT": 2}, "drop_in", "settings"),
+    "drop_in_io": (DROP_IN_IO, QUICK, "drop_in", None),
+    "drop_in_io_set": (DROP_IN_IO, SET, "drop_in", None),
     "io_mapped": (IO, IO_MAPPED, "io_bank", None),
     "io_functions": (IO, IO_MAPPED, "functions", "address_limits|write_quantity|mask|order|broadcast"),
     "io_read_only": (IO, IO_READ_ONLY, "functions", "read_only|lock"),

@@ -12,7 +12,8 @@ from pathlib import Path
 import filelist
 
 ROOT = Path(__file__).resolve().parents[1]
-DROP_INS = {"ram": "modbus_rtu_slave", "io": "modbus_rtu_slave_io"}
+DROP_INS = {"ram": "slave_bench", "io": "io_bench"}  # core and bank with every setting a port: what is measured
+BENCHES = "tb/harness"  # they are there
 
 
 def rtl_files() -> list[str]:
@@ -23,6 +24,11 @@ def rtl_files() -> list[str]:
 def all_files() -> list[str]:
     """The Verilog files of the core and of the examples, relative to the root."""
     return filelist.read(ROOT, *filelist.ALL)[0]
+
+
+def bench_files() -> list[str]:
+    """The benches around the core, relative to the root."""
+    return sorted(str(path.relative_to(ROOT)) for path in (ROOT / BENCHES).glob("*.v"))
 
 
 def include_options() -> list[str]:

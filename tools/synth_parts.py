@@ -22,7 +22,7 @@ from collections import Counter
 SHARED = "between modules"
 OUTSIDE = ""  # the measuring wrapper
 FIELDS = ("lc", "lut", "ff", "carry", "ram")
-SOURCE = re.compile(r"(?:^|\|)(?:[^|]*/)?(?:rtl|examples)/(?:\w+/)?(\w+)\.v:")
+SOURCE = re.compile(r"(?:^|\|)(?:[^|]*/)?(?:rtl|examples|tb)/(?:\w+/)?(\w+)\.v:")
 WRAPPER = re.compile(r"(?:^|\|)[^|]*synth_top\.v:")
 
 

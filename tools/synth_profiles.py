@@ -13,6 +13,7 @@ FIXED_LINE = {  # 8E1, 115200 baud at 50 MHz, address 17, everything optional of
     "broadcast_en_i": 1,
     "gap_count_only_i": 0,
     "strict_turnaround_i": 0,
+    "drop_late_i": 0,
     "response_delay_i": 0,
     "stall_limit_i": 0,
     "de_lead_i": 0,
@@ -23,8 +24,8 @@ FIXED_LINE = {  # 8E1, 115200 baud at 50 MHz, address 17, everything optional of
     "exception_status_i": 0,
     "run_indicator_i": 1,
     "diagnostic_i": 0,
-    "counter_stb_i": 0,
-    "counter_adr_i": 0,
+    "status_stb_i": 0,
+    "status_adr_i": 0,
     "user_adr_i": 0,
     "user_put_i": 0,
     "user_dat_i": 0,
@@ -36,19 +37,19 @@ USER_OFF = {port: value for port, value in FIXED_LINE.items() if port.startswith
 # `basic` sets address, rate and format at run time; the options are tied as most boards tie them.
 OPTIONS_OFF = {port: value for port, value in FIXED_LINE.items() if port not in ("address_i", "bit_time_i", "format_i")}
 # Outputs that stay open with these banks: what a device of plain signals has no use for.
-OPEN = re.compile(r"^(user|counter|log|diagnostic)_\w+_o$|^(listen_only|write_file)_o$")
+OPEN = re.compile(r"^(user|status)_\w+_o$|^(listen_only|write_file)_o$")
 LEFT_OPEN = ("io",)
 
 # profile -> bank -> (parameters, ties).  The function codes of `basic` are 01-06 0F 10; `full` has all, with the
 # tables of the live device where they are in RAM.
 MINIMAL = {
-    "FUNCTION_CODES": "64'h00010048",
+    "FUNCTION_CODES": "128'h00010048",
     "COIL_COUNT": "0",
     "DISCRETE_COUNT": "0",
     "INPUT_COUNT": "8",
     "HOLDING_COUNT": "8",
 }
-BASIC_CODES = "64'h0001807E"
+BASIC_CODES = "128'h0001807E"
 PROFILES: dict[str, dict[str, tuple[dict[str, str], dict[str, int]]]] = {
     "minimal": {"io": (MINIMAL, FIXED_LINE), "ram": (MINIMAL, FIXED_LINE)},
     "basic": {
@@ -111,7 +112,7 @@ def option_designs() -> dict[str, tuple[dict[str, str], dict[str, int]]]:
     designs = {"": (parameters, ties)}
     for option, (codes, others) in OPTIONS.items():
         mask = ALL_CODES & ~sum(1 << code for code in codes)
-        designs[option] = ({**parameters, "FUNCTION_CODES": f"64'h{mask:X}", **others}, ties)
+        designs[option] = ({**parameters, "FUNCTION_CODES": f"128'h{mask:X}", **others}, ties)
     without_user = {port: value for port, value in ties.items() if port not in USER_OFF}
     designs[USER_OPTION] = ({**parameters, "USER_CODES": USER_CODES}, without_user)
     return designs

@@ -19,7 +19,7 @@
 
 module modbus_board #(
   parameter integer CLK_HZ  = 12000000,      // clk_i in hertz, a multiple of 1000
-  parameter integer BAUD    = 19200,         // CLK_HZ / BAUD: 8..65535
+  parameter integer BAUD    = 19200,         // CLK_HZ / 65535 to CLK_HZ / 8
   parameter integer LEDS    = 8,             // 1..15
   parameter integer BUTTONS = 2              // 1..15
 ) (
@@ -37,7 +37,6 @@ module modbus_board #(
   output wire               alive_o          // a master talked to us in the last second
 );
 
-  localparam integer BIT_TIME = (CLK_HZ + BAUD / 2) / BAUD;
   localparam integer TICK_CLOCKS = CLK_HZ / 1000;
 
   generate
@@ -46,9 +45,6 @@ module modbus_board #(
     end
     if (BUTTONS < 1 || BUTTONS > 15) begin : gen_illegal_buttons
       ERROR_modbus_board_BUTTONS_from_1_to_15 illegal_parameter ();
-    end
-    if (BIT_TIME < 8 || BIT_TIME > 65535) begin : gen_illegal_baud
-      ERROR_modbus_board_CLK_HZ_by_BAUD_from_8_to_65535 illegal_parameter ();
     end
     if (TICK_CLOCKS < 2 || TICK_CLOCKS > 1048575) begin : gen_illegal_clock
       ERROR_modbus_board_CLK_HZ_from_2000_to_1048575000 illegal_parameter ();
@@ -91,24 +87,16 @@ module modbus_board #(
   // verilator lint_on UNUSED
   assign leds_o = coils[LEDS-1:0];
 
-  // Outputs that a board has no use for stay open.
+  // Nothing shows the holding registers.
   // verilator lint_off PINCONNECTEMPTY
   modbus_rtu_slave_io #(
-    .CLK_HZ(CLK_HZ), .COIL_COUNT(16), .DISCRETE_COUNT(16), .INPUT_COUNT(2), .HOLDING_COUNT(8), .ALIVE_TIMEOUT_MS(1000),
-    .PRODUCT_CODE("BOARD")
+    .CLK_HZ(CLK_HZ), .BAUD(BAUD), .ADDRESS(17), .COIL_COUNT(16), .DISCRETE_COUNT(16), .INPUT_COUNT(2), .HOLDING_COUNT(8),
+    .GAP_COUNT_ONLY(1),                      // USB adapters leave gaps inside a frame
+    .ALIVE_TIMEOUT_MS(1000), .PRODUCT_CODE("BOARD")
   ) u_modbus (
     .clk_i(clk_i), .rst_i(1'b0), .rxd_i(usb_rxd_i & rs485_rxd_i), .txd_o(txd_o), .de_o(de_o),
-    .address_i(8'd17), .bit_time_i(BIT_TIME[15:0]), .format_i(2'd0), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
-    .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(16'd0), .de_lead_i(4'd1), .de_tail_i(4'd0),
-    .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
-    .write_lock_i(1'b0), .coils_o(coils), .discretes_i({{(16 - BUTTONS){1'b0}}, ~released}),
-    .inputs_i({milliseconds_q, seconds_q}), .holdings_o(),
-    .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0), .user_dat_i(8'd0),
-    .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .listen_only_o(), .diagnostic_register_o(),
-    .log_count_o(), .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(), .counter_ack_o(), .write_stb_o(),
-    .write_space_o(), .write_first_o(), .write_last_o(), .write_file_o(), .alive_o(alive_o), .rx_active_o(),
-    .frame_stb_o(), .err_parity_o(), .err_framing_o(), .err_overrun_o(), .err_crc_o(), .err_short_o(), .err_long_o(),
-    .err_gap_o()
+    .coils_o(coils), .discretes_i({{(16 - BUTTONS){1'b0}}, ~released}), .inputs_i({milliseconds_q, seconds_q}),
+    .holdings_o(), .alive_o(alive_o)
   );
   // verilator lint_on PINCONNECTEMPTY
 

@@ -18,10 +18,7 @@
 module modbus_bank_io #(
 `include "modbus_tables.vh"
   ,
-  parameter integer COIL_WIDTH     = (COIL_COUNT > 0)     ? COIL_COUNT : 1,        // derived, leave alone
-  parameter integer DISCRETE_WIDTH = (DISCRETE_COUNT > 0) ? DISCRETE_COUNT : 1,
-  parameter integer INPUT_WIDTH    = (INPUT_COUNT > 0)    ? 16 * INPUT_COUNT : 16,
-  parameter integer HOLDING_WIDTH  = (HOLDING_COUNT > 0)  ? 16 * HOLDING_COUNT : 16
+`include "modbus_table_widths.vh"
 ) (
   input  wire        clk_i,
   input  wire        rst_i,

@@ -14,7 +14,7 @@
 `include "modbus_steps.vh"
 
 module modbus_dispatch #(
-  parameter [63:0]  FUNCTION_CODES = 64'h0000080001F399FE,
+  parameter [127:0] FUNCTION_CODES = 64'h0000080001F399FE,
   parameter [127:0] USER_CODES     = 128'd0
 ) (
   input  wire        clk_i,

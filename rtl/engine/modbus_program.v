@@ -14,7 +14,7 @@
 `include "modbus_steps.vh"
 
 module modbus_program #(
-  parameter [63:0]  FUNCTION_CODES      = 64'h0000080001F399FE,  // bit n: function code n is built in
+  parameter [127:0] FUNCTION_CODES      = 64'h0000080001F399FE,  // bit n: function code n is built in
   parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user
   parameter integer MAX_READ_BITS       = 2000,          // 1..2000
   parameter integer MAX_WRITE_BITS      = 1968,          // 1..1968
@@ -51,7 +51,7 @@ module modbus_program #(
     if (RW_MAX_READ < 1 || RW_MAX_READ > 125 || RW_MAX_WRITE < 1 || RW_MAX_WRITE > 121) begin : gen_rw
       ERROR_modbus_read_write_limits_are_1_to_125_and_1_to_121 illegal_parameter ();
     end
-    if ((FUNCTION_CODES & ~64'h0000080001F399FE) != 0) begin : gen_codes
+    if ((FUNCTION_CODES & ~128'h0000080001F399FE) != 0) begin : gen_codes
       ERROR_modbus_FUNCTION_CODES_names_a_code_that_is_not_implemented illegal_parameter ();
     end
   endgenerate

@@ -27,6 +27,23 @@
 `define MB_FC_READ_FIFO_QUEUE          32'h18
 `define MB_FC_ENCAPSULATED             8'h2B
 
+// Sets of function codes, as FUNCTION_CODES and USER_CODES take them: bit n is function code n.
+`define MB_BIT(code) (128'd1 << (code))
+`define MB_COIL_FUNCTIONS (`MB_BIT(`MB_FC_READ_COILS) | `MB_BIT(`MB_FC_WRITE_SINGLE_COIL) | \
+                           `MB_BIT(`MB_FC_WRITE_MULTIPLE_COILS))
+`define MB_DISCRETE_FUNCTIONS `MB_BIT(`MB_FC_READ_DISCRETE_INPUTS)
+`define MB_INPUT_FUNCTIONS `MB_BIT(`MB_FC_READ_INPUT_REGISTERS)
+`define MB_HOLDING_FUNCTIONS (`MB_BIT(`MB_FC_READ_HOLDING_REGISTERS) | `MB_BIT(`MB_FC_WRITE_SINGLE_REGISTER) | \
+                              `MB_BIT(`MB_FC_WRITE_MULTIPLE_REGISTERS) | `MB_BIT(`MB_FC_MASK_WRITE_REGISTER) | \
+                              `MB_BIT(`MB_FC_READ_WRITE_REGISTERS) | `MB_BIT(`MB_FC_READ_FIFO_QUEUE))
+`define MB_FILE_FUNCTIONS (`MB_BIT(`MB_FC_READ_FILE_RECORD) | `MB_BIT(`MB_FC_WRITE_FILE_RECORD))
+`define MB_DIAGNOSTIC_FUNCTIONS (`MB_BIT(`MB_FC_DIAGNOSTICS) | `MB_BIT(`MB_FC_GET_EVENT_COUNTER) | \
+                                 `MB_BIT(`MB_FC_GET_EVENT_LOG))
+`define MB_IDENTITY_FUNCTIONS (`MB_BIT(`MB_FC_REPORT_SERVER_ID) | `MB_BIT(`MB_FC_ENCAPSULATED))
+`define MB_ALL_FUNCTIONS (`MB_COIL_FUNCTIONS | `MB_DISCRETE_FUNCTIONS | `MB_INPUT_FUNCTIONS | `MB_HOLDING_FUNCTIONS | \
+                          `MB_FILE_FUNCTIONS | `MB_DIAGNOSTIC_FUNCTIONS | `MB_IDENTITY_FUNCTIONS | \
+                          `MB_BIT(`MB_FC_READ_EXCEPTION_STATUS))
+
 // Exception codes (V1.1b3, clause 7)
 `define MB_EX_ILLEGAL_FUNCTION     4'h1
 `define MB_EX_ILLEGAL_DATA_ADDRESS 4'h2
@@ -73,6 +90,8 @@
 `define MB_FORMAT_8N2 2'd2
 `define MB_FORMAT_8N1 2'd3
 
+// ------------------------------------------------------------------ vectors with named fields at the core's ports
+
 // Run-time settings: fields of settings_i
 `define MB_SET_ADDRESS        7:0      // 1..247; other values: broadcast only
 `define MB_SET_BIT_TIME       23:8     // clocks per bit, 8..65535
@@ -86,6 +105,10 @@
 `define MB_SET_DE_LEAD        61:58    // bit times from driver enable to the start bit
 `define MB_SET_DE_TAIL        65:62    // bit times from the last stop bit to driver off
 `define MB_SETTINGS_WIDTH     66
+// A settings_i with the usual options: broadcast obeyed, driver lead of one bit, all others off
+`define MB_LINE_SETTINGS(address, bit_time, format) \
+  {4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
+
 // State of the host: fields of host_state_i
 `define MB_HOST_BUSY             0
 `define MB_HOST_RUN              1
@@ -93,6 +116,8 @@
 `define MB_HOST_EXCEPTION_STATUS 13:6
 `define MB_HOST_DIAGNOSTIC       28:14  // bits 15..1 of the diagnostic register to set
 `define MB_HOST_STATE_WIDTH      29
+`define MB_HOST_AT_REST          29'h2  // not busy, no failure, run indicator on
+
 // What happened on the line: strobes of events_o
 `define MB_EVENT_FRAME   0   // a good frame, for any slave
 `define MB_EVENT_PARITY  1   // bad frames, when they end
@@ -103,6 +128,7 @@
 `define MB_EVENT_LONG    6   // more than 256 bytes
 `define MB_EVENT_GAP     7   // a gap above t1.5
 `define MB_EVENTS_WIDTH  8
+
 // A user's reply on the user port: fields of user_reply_i
 `define MB_USER_PUT       0     // strobe: append MB_USER_DATA to the answer
 `define MB_USER_DONE      1     // strobe: finished
@@ -110,6 +136,10 @@
 `define MB_USER_EXCEPTION 6:3   //   with DONE: 0, the answer is complete; else the exception code
 `define MB_USER_DATA      14:7
 `define MB_USER_REPLY_WIDTH 15
+`define MB_NO_USER        15'd0 // nothing at the user port
+
+// ------------------------------------------------------------------ between line and engine, inside the core
+
 // Frames from the line to the engine: bits of frame_i / frame_o
 `define MB_FRAME_GOOD      0   // strobe: a good frame for us, t3.5 has passed
 `define MB_FRAME_BROADCAST 1   //   level with GOOD
@@ -117,12 +147,14 @@
 `define MB_FRAME_BAD       3   // strobe: a bad frame
 `define MB_FRAME_LONG      4   //   level with BAD: more than 256 bytes
 `define MB_FRAME_WIDTH     5
+
 // What the line does in the frame RAM: strobes of ram_do
 `define MB_RAM_OPEN  0   // a frame begins: cursor and count to 0
 `define MB_RAM_LOOK  1   // cursor to the first byte
 `define MB_RAM_STORE 2   // the received byte goes under the cursor; cursor and count up
 `define MB_RAM_NEXT  3   // a byte was sent: cursor up, count down
 `define MB_RAM_WIDTH 4
+
 // What the engine tells the line: strobes of verdict
 `define MB_VERDICT_SEND    0   // send the answer that stands in the frame RAM
 `define MB_VERDICT_QUIET   1   // the frame is dealt with, nothing to send

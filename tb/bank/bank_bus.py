@@ -12,7 +12,7 @@ from bank.bank_guard import expected
 
 PATIENCE = 50
 RAM = TOP == "modbus_bank_ram"
-DROP_IN = "modbus_rtu_slave" if RAM else "modbus_rtu_slave_io"
+DROP_IN = "slave_bench" if RAM else "io_bench"
 
 
 class Bank:

@@ -52,12 +52,10 @@ module axil_slave_bench #(
   output wire         s_axil_rvalid,
   input  wire         s_axil_rready,
   output wire         listen_only_o,
-  output wire [15:0]  diagnostic_register_o,
-  output wire [6:0]   log_count_o,
-  input  wire         counter_stb_i,
-  input  wire [6:0]   counter_adr_i,
-  output wire [15:0]  counter_dat_o,
-  output wire         counter_ack_o,
+  input  wire         status_stb_i,
+  input  wire [6:0]   status_adr_i,
+  output wire [15:0]  status_dat_o,
+  output wire         status_ack_o,
   output wire         write_stb_o,
   output wire [2:0]   write_space_o,
   output wire [15:0]  write_first_o,
@@ -77,24 +75,24 @@ module axil_slave_bench #(
   wire [18:0] adr;
   wire [15:0] write, read;
 
-  modbus_rtu_slave #(
+  slave_bench #(
     .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US),
 `include "modbus_tables_inst.vh"
   ) u_slave (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
     .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
-    .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i),
+    .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0),
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i),
     .busy_i(busy_i), .failure_i(failure_i), .exception_status_i(exception_status_i),
     .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .write_lock_i(write_lock_i),
-    .listen_only_o(listen_only_o), .diagnostic_register_o(diagnostic_register_o), .log_count_o(log_count_o),
-    .counter_stb_i(counter_stb_i), .counter_adr_i(counter_adr_i), .counter_dat_o(counter_dat_o),
-    .counter_ack_o(counter_ack_o), .write_stb_o(write_stb_o), .write_space_o(write_space_o),
+    .listen_only_o(listen_only_o),
+    .status_stb_i(status_stb_i), .status_adr_i(status_adr_i), .status_dat_o(status_dat_o),
+    .status_ack_o(status_ack_o), .write_stb_o(write_stb_o), .write_space_o(write_space_o),
     .write_first_o(write_first_o), .write_last_o(write_last_o), .write_file_o(write_file_o),
     .frame_stb_o(frame_stb_o), .err_parity_o(err_parity_o), .err_framing_o(err_framing_o),
     .err_overrun_o(err_overrun_o), .err_crc_o(err_crc_o), .err_short_o(err_short_o), .err_long_o(err_long_o),
     .err_gap_o(err_gap_o), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0),
-    .user_dat_i(8'd0), .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .alive_o(), .rx_active_o(),
+    .user_dat_i(8'd0), .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .alive_o(), .idle_o(), .rx_active_o(),
     .host_cyc_i(cyc), .host_stb_i(stb), .host_we_i(we), .host_adr_i(adr), .host_dat_i(write), .host_dat_o(read),
     .host_ack_o(ack), .host_err_o(err)
   );

@@ -4,6 +4,7 @@
 // bus_master_bench - the core as a master of a bus: AXI4-Lite by modbus_axil_master, or its own Wishbone with modbus_bank_guard.
 
 `default_nettype none
+`include "modbus_defs.vh"
 
 module bus_master_bench #(
   parameter integer AXIL = 1,                    // 0: Wishbone
@@ -15,7 +16,7 @@ module bus_master_bench #(
   parameter [31:0]  INPUT_AT    = 32'h00080000,
   parameter [31:0]  HOLDING_AT  = 32'h000C0000,
   parameter [31:0]  FILE_AT     = 32'h00100000,
-  parameter [63:0]  FUNCTION_CODES = 64'h0000080001F399FE,
+  parameter [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS,
 `include "modbus_tables.vh"
 ) (
   input  wire         clk_i,
@@ -69,12 +70,10 @@ module bus_master_bench #(
   input  wire         m_axil_rvalid,
   output wire         m_axil_rready,
   output wire         listen_only_o,
-  output wire [15:0]  diagnostic_register_o,
-  output wire [6:0]   log_count_o,
-  input  wire         counter_stb_i,
-  input  wire [6:0]   counter_adr_i,
-  output wire [15:0]  counter_dat_o,
-  output wire         counter_ack_o,
+  input  wire         status_stb_i,
+  input  wire [6:0]   status_adr_i,
+  output wire [15:0]  status_dat_o,
+  output wire         status_ack_o,
   output wire         write_stb_o,
   output wire [2:0]   write_space_o,
   output wire [15:0]  write_first_o,
@@ -98,17 +97,16 @@ module bus_master_bench #(
   // A table of size 0 has no function codes.
 `include "modbus_table_codes.vh"
 
-  modbus_rtu_core #(
+  core_bench #(
     .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(TABLE_CODES)
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
     .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
-    .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i),
+    .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0),
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i),
     .busy_i(busy_i), .failure_i(failure_i), .exception_status_i(exception_status_i),
-    .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .listen_only_o(listen_only_o),
-    .diagnostic_register_o(diagnostic_register_o), .log_count_o(log_count_o), .counter_stb_i(counter_stb_i),
-    .counter_adr_i(counter_adr_i), .counter_dat_o(counter_dat_o), .counter_ack_o(counter_ack_o),
+    .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .listen_only_o(listen_only_o),  .status_stb_i(status_stb_i),
+    .status_adr_i(status_adr_i), .status_dat_o(status_dat_o), .status_ack_o(status_ack_o),
     .write_stb_o(write_stb_o), .write_space_o(write_space_o), .write_first_o(write_first_o),
     .write_last_o(write_last_o), .write_file_o(write_file_o), .frame_stb_o(frame_stb_o), .err_parity_o(err_parity_o),
     .err_framing_o(err_framing_o), .err_overrun_o(err_overrun_o), .err_crc_o(err_crc_o), .err_short_o(err_short_o),
@@ -117,7 +115,7 @@ module bus_master_bench #(
     .grant_ack_i(grant_ack), .exception_i(exception), .wb_cyc_o(wb_cyc_o), .wb_stb_o(wb_stb_o), .wb_we_o(wb_we_o),
     .wb_adr_o(wb_adr_o), .wb_dat_o(wb_dat_o), .wb_dat_i(wb_read), .wb_ack_i(wb_ack), .wb_err_i(wb_err),
     .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0), .user_dat_i(8'd0),
-    .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .alive_o(), .rx_active_o()
+    .user_done_i(1'b0), .user_pass_i(1'b0), .user_exception_i(4'd0), .alive_o(), .idle_o(), .rx_active_o()
   );
 
   // Where the bridge has no guard, and on Wishbone

@@ -16,7 +16,7 @@ from protocol.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_a
 from protocol.model import characters
 
 HERE = Path(__file__).resolve().parent
-TOP = "modbus_rtu_slave"
+TOP = "slave_bench"
 STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 40, 300
 FAULTS = {None: 0, "parity": 1, "framing": 2}
 LINE_FAULTS = {
@@ -34,7 +34,7 @@ class BuildError(RuntimeError):
 
 
 def library(parameters, harness=HERE / "harness.cpp"):
-    """Path of the shared library of modbus_rtu_slave with `parameters` behind the C functions of `harness`.
+    """Path of the shared library of slave_bench with `parameters` behind the C functions of `harness`.
 
     Built if it is not current. Raises BuildError.
     """

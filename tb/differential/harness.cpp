@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "Vmodbus_rtu_slave.h"
+#include "Vslave_bench.h"
 #include "verilated.h"
 
 double sc_time_stamp() { return 0; }
@@ -25,7 +25,7 @@ enum LineFault : int { kOffGrid = -1, kGap = -2, kBadParity = -3, kBadStop = -4,
 
 struct Device {
   VerilatedContext context;
-  Vmodbus_rtu_slave top{&context};
+  Vslave_bench top{&context};
   uint64_t now = 0;
   uint32_t bit_time = 8;
   int parity = 0;   // 0 even, 1 odd, -1 none
@@ -215,26 +215,26 @@ int32_t device_host(void *h, uint32_t address, int write, uint32_t data) {
   return result;
 }
 
-// One word of the counter port, or -2 for no answer.
+// One word of the status port, or -2 for no answer.
 int32_t device_counter(void *h, uint32_t address) {
   auto *d = static_cast<Device *>(h);
   auto &t = d->top;
-  t.counter_stb_i = 1;
-  t.counter_adr_i = address;
+  t.status_stb_i = 1;
+  t.status_adr_i = address;
   int32_t result = -2;
   for (int patience = 0; patience < 1000 && result < 0; ++patience) {
     d->clock();
-    if (t.counter_ack_o) result = t.counter_dat_o;
+    if (t.status_ack_o) result = t.status_dat_o;
   }
-  t.counter_stb_i = 0;
+  t.status_stb_i = 0;
   d->clock();
   return result;
 }
 
 // {listen-only, entries of the log, diagnostic register}
 uint32_t device_state(void *h) {
-  auto &t = static_cast<Device *>(h)->top;
-  return uint32_t(t.listen_only_o) << 23 | uint32_t(t.log_count_o) << 16 | t.diagnostic_register_o;
+  const uint32_t listen_only = static_cast<Device *>(h)->top.listen_only_o;
+  return listen_only << 23 | uint32_t(device_counter(h, 2)) << 16 | uint32_t(device_counter(h, 0));
 }
 
 // Levels for given numbers of clocks, beginning with 0 and alternating: noise. Ends with 1.

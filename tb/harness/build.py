@@ -39,16 +39,17 @@ LIMIT_PARAMETERS = {
     "RW_MAX_WRITE": "rw_write",
 }
 DEFAULT_COUNTS = {
-    "modbus_rtu_slave": dict.fromkeys(PREFIX, 64),
-    "modbus_rtu_slave_io": {
+    "slave_bench": dict.fromkeys(PREFIX, 64),
+    "io_bench": {
         Space.COILS: 16,
         Space.DISCRETES: 16,
         Space.INPUTS: 8,
         Space.HOLDINGS: 8,
     },
 }
-DEFAULT_FILES = {"modbus_rtu_slave": (0, 256), "modbus_rtu_slave_io": (0, 256)}
-NO_FILES = ("modbus_rtu_slave_io",)  # tops that never have files
+DROP_IN_BENCH = {"modbus_rtu_slave": "slave_bench", "modbus_rtu_slave_io": "io_bench"}  # the same tables
+DEFAULT_FILES = {"slave_bench": (0, 256), "io_bench": (0, 256)}
+NO_FILES = ("io_bench",)  # tops that never have files
 OBJECT_PARAMETERS = {
     0: "VENDOR_NAME",
     1: "PRODUCT_CODE",
@@ -59,7 +60,7 @@ OBJECT_PARAMETERS = {
     6: "USER_APPLICATION_NAME",
 }
 WIDTHS = {  # bits of the parameters that are no plain integers
-    "FUNCTION_CODES": 64,
+    "FUNCTION_CODES": 128,
     "USER_CODES": 128,
     "SERVER_ID": 8 * 16,
     "ADDITIONAL_DATA": 8 * 250,
@@ -192,6 +193,7 @@ def identity_fields(parameters):
 
 def model_config(top, parameters, **changes):
     """The model's Config of `top` built with `parameters`."""
+    top = DROP_IN_BENCH.get(top, top)
     counts = DEFAULT_COUNTS.get(top, {s: n for s, (_, n) in reference_map().items()})
     tables = {
         space: (

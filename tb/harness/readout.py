@@ -2,14 +2,25 @@
 # Copyright (c) 2026 the project contributors
 """Counters, event log, diagnostic register and listen-only mode of a device, beside the model's.
 
-Read twice: at the counter port, which the line must not notice, and on the line by function codes
+Read twice: at the status port, which the line must not notice, and on the line by function codes
 08, 0B and 0C.
 """
 
 from cocotb.triggers import RisingEdge, with_timeout
 from protocol import frames
-from protocol.defs import ALL_COUNTERS, COUNTER_ADDRESS, COUNTERS, FC, LOG_ADDRESS, Sub
+from protocol.defs import (
+    ALL_COUNTERS,
+    COUNTER_ADDRESS,
+    COUNTERS,
+    ENTRIES_ADDRESS,
+    FC,
+    LISTEN_ADDRESS,
+    LOG_ADDRESS,
+    REGISTER_ADDRESS,
+    Sub,
+)
 
+INNER = ("u_slave", "u_bench", "u_core", "u_engine")  # instances on the way from a bench to the counters
 PORT_PATIENCE_US = 1_000
 LAST_ACTION_CLOCKS = 64  # a clear or a restart comes after its answer
 
@@ -23,41 +34,46 @@ class Readout:
     """Part of Bench: what the host sees of the diagnostics."""
 
     async def counter(self, address):
-        """One read at the counter port; the value."""
+        """One read at the status port; the value."""
         return await with_timeout(self._counter(address), PORT_PATIENCE_US, "us")
 
     async def _counter(self, address):
         dut = self.dut
         await RisingEdge(dut.clk_i)
-        dut.counter_adr_i.value, dut.counter_stb_i.value = address, 1
+        dut.status_adr_i.value, dut.status_stb_i.value = address, 1
         while True:
             await RisingEdge(dut.clk_i)
-            if int(dut.counter_ack_o.value):
+            if int(dut.status_ack_o.value):
                 break
-        value = int(dut.counter_dat_o.value)
-        dut.counter_stb_i.value = 0
+        value = int(dut.status_dat_o.value)
+        dut.status_stb_i.value = 0
         await RisingEdge(dut.clk_i)
-        assert not int(dut.counter_ack_o.value), "counter_ack_o stays up without counter_stb_i"
+        assert not int(dut.status_ack_o.value), "status_ack_o stays up without status_stb_i"
         return value
 
     async def read_counters(self):
-        """{name: value} of all nine, from the counter port."""
+        """{name: value} of all nine, from the status port."""
         return {name: await self.counter(COUNTER_ADDRESS[name]) for name in ALL_COUNTERS}
 
     async def read_log(self):
-        """The event log from the counter port, newest first."""
-        count = int(self.dut.log_count_o.value)
+        """The event log from the status port, newest first."""
+        count = await self.counter(ENTRIES_ADDRESS)
         return [await self.counter(LOG_ADDRESS + place) for place in range(count)]
 
-    def compare_outputs(self, note=""):
-        """The outputs that show listen-only mode, diagnostic register and length of the log."""
-        for port, expected in (
-            ("listen_only_o", int(self.slave.listen_only)),
-            ("diagnostic_register_o", self.slave.diagnostic_register),
-            ("log_count_o", len(self.slave.log)),
+    async def diagnostic_register(self):
+        """The diagnostic register from the status port."""
+        return await self.counter(REGISTER_ADDRESS)
+
+    async def compare_outputs(self, note=""):
+        """Listen-only mode at its port and at the status port, the diagnostic register, the length of the log."""
+        listening = int(self.slave.listen_only)
+        for what, seen, expected in (
+            ("listen_only_o", int(self.dut.listen_only_o.value), listening),
+            ("listen-only mode", await self.counter(LISTEN_ADDRESS), listening),
+            ("diagnostic register", await self.diagnostic_register(), self.slave.diagnostic_register),
+            ("entries of the log", await self.counter(ENTRIES_ADDRESS), len(self.slave.log)),
         ):
-            seen = int(getattr(self.dut, port).value)
-            assert seen == expected, f"{note}: {port} is {seen:04X}, expected {expected:04X}"
+            assert seen == expected, f"{note}: {what}: {seen:04X}, expected {expected:04X}"
 
     async def compare_counters(self, note="", line=False):
         """Everything that is counted and logged must be the model's; with `line` asked there as well.
@@ -66,7 +82,7 @@ class Readout:
         Returns (counters, log) as read at the counter port.
         """
         await self.clocks(LAST_ACTION_CLOCKS)
-        self.compare_outputs(note)
+        await self.compare_outputs(note)
         seen = await self.read_counters()
         wrong = {n: (seen[n], self.slave.counters[n]) for n in ALL_COUNTERS if seen[n] != self.slave.counters[n]}
         assert not wrong, f"{note}: counters (seen, expected) {wrong}"
@@ -88,7 +104,9 @@ class Readout:
 
     @property
     def _memory(self):
-        core = self.dut.u_core if hasattr(self.dut, "u_core") else self.dut
+        core = self.dut
+        while not hasattr(core, "gen_diagnostics"):  # benches stand around the core
+            core = next(getattr(core, name) for name in INNER if hasattr(core, name))
         return core.gen_diagnostics.u_diagnostics.memory
 
     async def load_counters(self, **counts):

@@ -37,8 +37,10 @@ VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
 
 
 def sources():
-    """(Verilog files, include folders) of the core and the examples."""
-    return tuple([TREE / name for name in names] for names in filelist.read(TREE, *filelist.ALL))
+    """(Verilog files, include folders) of the core, the examples and the benches around the core."""
+    files, folders = filelist.read(TREE, *filelist.ALL)
+    benches = TB / "harness"  # around the core, with every field of its vectors on a port of its own
+    return [TREE / name for name in files] + sorted(benches.glob("*.v")), [TREE / name for name in folders] + [benches]
 
 
 def source_of(name):

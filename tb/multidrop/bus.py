@@ -217,7 +217,7 @@ class Bus:
             if node.slave.config.has_diagnostics:
                 await node.compare_counters(f"node {node.index}")
             else:
-                node.compare_outputs(f"node {node.index}")
+                await node.compare_outputs(f"node {node.index}")
 
 
 def share(rng, values):

@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-#include "Vmodbus_rtu_slave.h"
+#include "Vslave_bench.h"
 #include "verilated.h"
 
 double sc_time_stamp() { return 0; }
@@ -21,7 +21,7 @@ namespace {
 enum Count { kDrives, kFrames, kErrors, kWrites, kCounts };
 
 struct Node {
-  std::unique_ptr<Vmodbus_rtu_slave> top;
+  std::unique_ptr<Vslave_bench> top;
   double rate = 1, phase = 0;      // clocks in one of the master's
   uint64_t ticks = 0;              // of its own
   uint32_t counts[kCounts] = {};
@@ -115,7 +115,7 @@ void *bus_new(int nodes) {
   auto *b = new Bus;
   b->nodes.resize(nodes);
   for (auto &n : b->nodes) {
-    n.top.reset(new Vmodbus_rtu_slave{&b->context});
+    n.top.reset(new Vslave_bench{&b->context});
     n.top->rxd_i = 1;
     n.top->broadcast_en_i = 1;
     n.top->run_indicator_i = 1;
@@ -206,26 +206,26 @@ int32_t bus_host(void *h, int node, uint32_t address, int write, uint32_t data) 
   return result;
 }
 
-// One word of the counter port, likewise, or -2 for no answer.
+// One word of the status port, likewise, or -2 for no answer.
 int32_t bus_counter(void *h, int node, uint32_t address) {
   auto &n = bus(h).nodes[node];
   auto &t = *n.top;
-  t.counter_stb_i = 1;
-  t.counter_adr_i = address;
+  t.status_stb_i = 1;
+  t.status_adr_i = address;
   int32_t result = -2;
   for (int patience = 0; patience < 1000 && result < 0; ++patience) {
     n.tick(true);
-    if (t.counter_ack_o) result = t.counter_dat_o;
+    if (t.status_ack_o) result = t.status_dat_o;
   }
-  t.counter_stb_i = 0;
+  t.status_stb_i = 0;
   n.tick(true);
   return result;
 }
 
 // {listen-only, entries of the log, diagnostic register}
 uint32_t bus_state(void *h, int node) {
-  auto &t = *bus(h).nodes[node].top;
-  return uint32_t(t.listen_only_o) << 23 | uint32_t(t.log_count_o) << 16 | t.diagnostic_register_o;
+  const uint32_t listen_only = bus(h).nodes[node].top->listen_only_o;
+  return listen_only << 23 | uint32_t(bus_counter(h, node, 2)) << 16 | uint32_t(bus_counter(h, node, 0));
 }
 
 }  // extern "C"

@@ -6,7 +6,7 @@ from harness import build
 from protocol.defs import FIRST_ADDRESS, LAST_ADDRESS
 from protocol.model import Slave
 
-DEVICE = "modbus_rtu_slave"
+DEVICE = "slave_bench"
 SEEN = ("drives", "frames", "errors", "writes")  # what the benches count for each node, in this order
 
 

@@ -58,12 +58,11 @@ module multidrop_bench #(
   output wire [15:0]           host_dat_o,
   output wire                  host_ack_o,
   output wire                  host_err_o,
-  input  wire                  counter_stb_i,
-  input  wire [6:0]            counter_adr_i,
-  output wire [15:0]           counter_dat_o,
-  output wire                  counter_ack_o,
+  input  wire                  status_stb_i,
+  input  wire [6:0]            status_adr_i,
+  output wire [15:0]           status_dat_o,
+  output wire                  status_ack_o,
   output wire                  listen_only_o,
-  output wire [15:0]           diagnostic_register_o,
   output wire [6:0]            log_count_o
 );
 
@@ -97,18 +96,15 @@ module multidrop_bench #(
 
   // ------------------------------------------------------------------ the nodes
 
-  wire [16*NODES-1:0] host_dat, counter_dat, diagnostic_register;
-  wire [7*NODES-1:0]  log_count;
-  wire [NODES-1:0]    host_ack, host_err, counter_ack, listen_only;
+  wire [16*NODES-1:0] host_dat, status_dat;
+  wire [NODES-1:0]    host_ack, host_err, status_ack, listen_only;
 
   assign host_dat_o            = host_dat[16*node_i +: 16];
   assign host_ack_o            = host_ack[node_i];
   assign host_err_o            = host_err[node_i];
-  assign counter_dat_o         = counter_dat[16*node_i +: 16];
-  assign counter_ack_o         = counter_ack[node_i];
+  assign status_dat_o         = status_dat[16*node_i +: 16];
+  assign status_ack_o         = status_ack[node_i];
   assign listen_only_o         = listen_only[node_i];
-  assign diagnostic_register_o = diagnostic_register[16*node_i +: 16];
-  assign log_count_o           = log_count[7*node_i +: 7];
 
   genvar n;
   generate
@@ -140,24 +136,23 @@ module multidrop_bench #(
         de_q <= de[n];
       end
 
-      modbus_rtu_slave #(
+      slave_bench #(
         .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .COIL_COUNT(TABLE_COUNT), .DISCRETE_COUNT(TABLE_COUNT),
         .INPUT_COUNT(TABLE_COUNT), .HOLDING_COUNT(TABLE_COUNT),
         .FUNCTION_CODES(n % DIAGNOSED_EVERY == 0 ? DIAGNOSED_CODES : PLAIN_CODES)
       ) u_slave (
         .clk_i(clk_i), .rst_i(rst_i), .rxd_i(line), .txd_o(txd[n]), .de_o(de[n]), .address_i(address_i[8*n +: 8]),
         .bit_time_i(bit_time_i[16*n +: 16]), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
-        .strict_turnaround_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(16'd0), .de_lead_i(de_lead_i[4*n +: 4]),
+        .strict_turnaround_i(1'b0), .drop_late_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(16'd0), .de_lead_i(de_lead_i[4*n +: 4]),
         .de_tail_i(de_tail_i[4*n +: 4]), .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0),
         .run_indicator_i(1'b1), .diagnostic_i(16'd0), .write_lock_i(1'b0), .host_cyc_i(host_cyc_i && here),
         .host_stb_i(host_stb_i && here), .host_we_i(host_we_i), .host_adr_i(host_adr_i), .host_dat_i(host_dat_i),
         .host_dat_o(host_dat[16*n +: 16]), .host_ack_o(host_ack[n]), .host_err_o(host_err[n]), .user_req_o(),
         .user_count_o(), .user_adr_i(8'd0), .user_dat_o(), .user_put_i(1'b0), .user_dat_i(8'd0), .user_done_i(1'b0),
-        .user_pass_i(1'b0), .user_exception_i(4'd0), .listen_only_o(listen_only[n]),
-        .diagnostic_register_o(diagnostic_register[16*n +: 16]), .log_count_o(log_count[7*n +: 7]),
-        .counter_stb_i(counter_stb_i && here), .counter_adr_i(counter_adr_i), .counter_dat_o(counter_dat[16*n +: 16]),
-        .counter_ack_o(counter_ack[n]), .write_stb_o(write_stb), .write_space_o(), .write_first_o(), .write_last_o(),
-        .write_file_o(), .alive_o(), .rx_active_o(), .frame_stb_o(frame_stb), .err_parity_o(errors[0]),
+        .user_pass_i(1'b0), .user_exception_i(4'd0), .listen_only_o(listen_only[n]), 
+        .status_stb_i(status_stb_i && here), .status_adr_i(status_adr_i), .status_dat_o(status_dat[16*n +: 16]),
+        .status_ack_o(status_ack[n]), .write_stb_o(write_stb), .write_space_o(), .write_first_o(), .write_last_o(),
+        .write_file_o(), .alive_o(), .idle_o(), .rx_active_o(), .frame_stb_o(frame_stb), .err_parity_o(errors[0]),
         .err_framing_o(errors[1]), .err_overrun_o(errors[2]), .err_crc_o(errors[3]), .err_short_o(errors[4]),
         .err_long_o(errors[5]), .err_gap_o(errors[6])
       );

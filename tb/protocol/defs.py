@@ -230,7 +230,8 @@ COUNTERS = {
 EVENT_COUNTER = "event_counter"
 ALL_COUNTERS = (*COUNTERS, EVENT_COUNTER)
 COUNTER_ADDRESS = {EVENT_COUNTER: 0x0A, **{name: int(sub) for name, sub in COUNTERS.items()}}
-LOG_ADDRESS = 0x40  # of the newest entry at the counter port
+LOG_ADDRESS = 0x40  # of the newest entry at the status port
+REGISTER_ADDRESS, LISTEN_ADDRESS, ENTRIES_ADDRESS = 0x00, 0x01, 0x02  # of the status port
 LOG_SIZE = 64
 
 # Bytes of the event log.
@@ -255,6 +256,7 @@ FIRST_ADDRESS, LAST_ADDRESS = 1, 247
 SHORTEST_FRAME = 4  # address, function, CRC
 LONGEST_FRAME = 256
 T15_CHARACTERS, T35_CHARACTERS = 1.5, 3.5
+DEFAULT_BAUD = 19200
 FLOOR_BAUD = 19200  # above it t1.5 and t3.5 no longer shrink
 T15_FLOOR_US, T35_FLOOR_US = 750, 1750
 

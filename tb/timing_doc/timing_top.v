@@ -8,7 +8,7 @@
 `default_nettype none
 
 module timing_top #(
-  parameter IO = 0,                  // 0 modbus_rtu_slave, 1 modbus_rtu_slave_io
+  parameter IO = 0,                  // 0 slave_bench, 1 io_bench
   parameter FLOORS = 1,              // 0: t1.5 and t3.5 without floors
   parameter FULL = 1,                // 0: function codes 01 to 06, 0F and 10 only
   parameter MORE = 0,                // 1: user functions 65 and 66, a server identification as long as can be
@@ -47,7 +47,7 @@ module timing_top #(
 
   generate
     if (IO == 0) begin : gen_ram
-      modbus_rtu_slave #(
+      slave_bench #(
         .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
         .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS), .FILE_COUNT(2),
         .FILE_RECORDS(256),
@@ -55,16 +55,15 @@ module timing_top #(
       ) u_slave (
         .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd), .de_o(de), .address_i(8'd17),
         .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
-        .strict_turnaround_i(strict_turnaround_i), .response_delay_i(response_delay_i),
+        .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0), .response_delay_i(response_delay_i),
         .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .busy_i(1'b0),
         .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
         .user_req_o(asked), .user_count_o(), .user_adr_i(8'd1), .user_dat_o(code), .user_put_i(1'b0), .user_dat_i(8'd0),
-        .user_done_i(done_q), .user_pass_i(code[1]), .user_exception_i(4'd0), .listen_only_o(),
-        .diagnostic_register_o(), .log_count_o(), .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(),
-        .counter_ack_o(), .write_lock_i(1'b0), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
+        .user_done_i(done_q), .user_pass_i(code[1]), .user_exception_i(4'd0), .listen_only_o(),  .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
+        .status_ack_o(), .write_lock_i(1'b0), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
         .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack),
         .host_err_o(host_err), .write_stb_o(write), .write_space_o(), .write_first_o(), .write_last_o(), .write_file_o(),
-        .alive_o(), .rx_active_o(rx_active), .frame_stb_o(frame), .err_parity_o(parity),
+        .alive_o(), .idle_o(), .rx_active_o(rx_active), .frame_stb_o(frame), .err_parity_o(parity),
         .err_framing_o(framing), .err_overrun_o(overrun), .err_crc_o(crc), .err_short_o(short),
         .err_long_o(long), .err_gap_o(gap)
       );
@@ -79,22 +78,21 @@ module timing_top #(
       assign wb_write_o    = u_slave.wb_write;
       assign wb_read_o     = u_slave.wb_read;
     end else begin : gen_io
-      modbus_rtu_slave_io #(
+      io_bench #(
         .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
         .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS),
         .SERVER_ID_BYTES(NAME_BYTES), .ADDITIONAL_DATA_BYTES(MORE_BYTES)
       ) u_slave (
         .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd), .de_o(de), .address_i(8'd17),
         .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
-        .strict_turnaround_i(strict_turnaround_i), .response_delay_i(response_delay_i),
+        .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0), .response_delay_i(response_delay_i),
         .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .busy_i(1'b0),
         .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
         .user_req_o(asked), .user_count_o(), .user_adr_i(8'd1), .user_dat_o(code), .user_put_i(1'b0), .user_dat_i(8'd0),
-        .user_done_i(done_q), .user_pass_i(code[1]), .user_exception_i(4'd0), .listen_only_o(),
-        .diagnostic_register_o(), .log_count_o(), .counter_stb_i(1'b0), .counter_adr_i(7'd0), .counter_dat_o(),
-        .counter_ack_o(), .write_lock_i(1'b0), .coils_o(), .discretes_i({BITS{1'b0}}), .inputs_i({16*WORDS{1'b0}}),
+        .user_done_i(done_q), .user_pass_i(code[1]), .user_exception_i(4'd0), .listen_only_o(),  .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
+        .status_ack_o(), .write_lock_i(1'b0), .coils_o(), .discretes_i({BITS{1'b0}}), .inputs_i({16*WORDS{1'b0}}),
         .holdings_o(), .write_stb_o(write), .write_space_o(), .write_first_o(), .write_last_o(), .write_file_o(),
-        .alive_o(), .rx_active_o(rx_active), .frame_stb_o(frame), .err_parity_o(parity),
+        .alive_o(), .idle_o(), .rx_active_o(rx_active), .frame_stb_o(frame), .err_parity_o(parity),
         .err_framing_o(framing), .err_overrun_o(overrun), .err_crc_o(crc), .err_short_o(short),
         .err_long_o(long), .err_gap_o(gap)
       );

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_settings_value - the vector SETTINGS of the parameters of modbus_settings.vh, for settings_i.
+//
+// The bit time is CLK_HZ / BAUD, rounded.  A rate that misses BAUD by more than 2 % stops elaboration: a receiver
+// must accept that much (MODBUS over Serial Line V1.02, clause 3.2).
+
+  localparam integer BIT_TIME   = (CLK_HZ + BAUD / 2) / BAUD;
+  localparam integer RATE_ERROR = (CLK_HZ - BIT_TIME * BAUD < 0) ? BIT_TIME * BAUD - CLK_HZ : CLK_HZ - BIT_TIME * BAUD;
+
+  localparam [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {
+    DE_TAIL[3:0], DE_LEAD[3:0], STALL_LIMIT[15:0], RESPONSE_DELAY[11:0], DROP_LATE != 0, STRICT_TURNAROUND != 0,
+    GAP_COUNT_ONLY != 0, BROADCAST != 0, FORMAT[1:0], BIT_TIME[15:0], ADDRESS[7:0]
+  };
+
+  generate
+    if (ADDRESS < 0 || ADDRESS > 247) begin : gen_address
+      ERROR_modbus_ADDRESS_from_0_to_247 illegal_parameter ();
+    end
+    if (BAUD < 1 || BIT_TIME < 8 || BIT_TIME > 65535) begin : gen_baud
+      ERROR_modbus_BAUD_from_CLK_HZ_by_65535_to_CLK_HZ_by_8 illegal_parameter ();
+    end
+    if (RATE_ERROR > CLK_HZ / 50) begin : gen_rate
+      ERROR_modbus_BAUD_is_missed_by_more_than_2_percent_with_a_whole_number_of_clocks_per_bit illegal_parameter ();
+    end
+    if (FORMAT < 0 || FORMAT > 3) begin : gen_format
+      ERROR_modbus_FORMAT_from_0_to_3 illegal_parameter ();
+    end
+    if (RESPONSE_DELAY < 0 || RESPONSE_DELAY > 4095 || STALL_LIMIT < 0 || STALL_LIMIT > 65535) begin : gen_delays
+      ERROR_modbus_RESPONSE_DELAY_from_0_to_4095_and_STALL_LIMIT_from_0_to_65535 illegal_parameter ();
+    end
+    if (DE_LEAD < 0 || DE_LEAD > 15 || DE_TAIL < 0 || DE_TAIL > 15) begin : gen_driver
+      ERROR_modbus_DE_LEAD_and_DE_TAIL_from_0_to_15 illegal_parameter ();
+    end
+    if ((BROADCAST | GAP_COUNT_ONLY | STRICT_TURNAROUND | DROP_LATE) >> 1 != 0) begin : gen_switches
+      ERROR_modbus_BROADCAST_GAP_COUNT_ONLY_STRICT_TURNAROUND_DROP_LATE_are_0_or_1 illegal_parameter ();
+    end
+  endgenerate
