@@ -20,6 +20,7 @@ rtl/modbus_rtu_core.v
 rtl/bank/modbus_bank_guard.v
 rtl/bank/modbus_bank_ram.v
 rtl/bank/modbus_bank_io.v
+rtl/bank/modbus_host_map.v
 rtl/modbus_rtu_slave.v
 rtl/modbus_rtu_slave_io.v
 rtl/bus/modbus_axil_master.v

@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 from harness.build import NO_FLOORS, REFERENCE
-from harness.runner import ROOT, run, source_of
+from harness.runner import ROOT, expanded, run, source_of
 
 MASTER, SLAVE = "bus_master_bench", "axil_slave_bench"
 MAPPED = {**NO_FLOORS, **REFERENCE}
@@ -26,11 +26,18 @@ SCATTERED = {
 SUITES = {
     "axil_master": (MASTER, {**MAPPED, "AXIL": 1}, "master", None),
     "axil_master_scattered": (MASTER, {**SCATTERED, "AXIL": 1}, "master", "waits/odds=0.3|files|tables"),
+    "axil_master_two_tables": (
+        MASTER,
+        {**MAPPED, "AXIL": 1, "DISCRETE_COUNT": 0, "HOLDING_COUNT": 0},
+        "master",
+        "missing_table",
+    ),
     "axil_master_unguarded": (MASTER, {**MAPPED, "AXIL": 1, "GUARD": 0}, "master", "waits/odds=0.5|tables"),
     "wishbone_master": (MASTER, {**MAPPED, "AXIL": 0}, "master", None),
     "axil_slave": (SLAVE, MAPPED, "slave", None),
     "wishbone_host": ("slave_bench", MAPPED, "slave", None),
     "soc_axil": ("modbus_example_soc_axil", NO_FLOORS, "soc", None),
+    "soc_axil_largest": ("modbus_example_soc_axil", {**NO_FLOORS, "WORDS": 65536}, "soc", "half_a_write"),
     "soc_wishbone": ("modbus_example_soc_wb", NO_FLOORS, "soc", None),
 }
 
@@ -51,7 +58,7 @@ WINDOW = 0x40000  # bytes of a table
 def test_parameters_are_those_of_the_rtl():
     """Names and defaults on the page; what stands there as one row is what other banks have too."""
     for module in ("modbus_axil_master", "modbus_axil_slave"):
-        text = source_of(module).read_text(encoding="utf-8")
+        text = expanded(source_of(module))
         head = text[: text.index(") (")]
         declared = dict(re.findall(r"parameter\s+(?:integer|\[31:0\])\s+(\w+)\s*=\s*([\w']+)", head))
         page = PAGE.read_text(encoding="utf-8")
@@ -59,7 +66,7 @@ def test_parameters_are_those_of_the_rtl():
         listed = dict(re.findall(r"^\| `(\w+)` \| ([\w']+) \|", table, re.M))
         assert listed and listed.items() <= declared.items(), f"{module}: {listed} on the page, {declared} in the RTL"
         others = set(declared) - set(listed)
-        assert all(re.search("_(BASE|COUNT|RECORDS)$", name) for name in others), f"{module}: not on the page: {others}"
+        assert all(re.search("_(BASE|COUNT|RECORDS)$|^OVERLAY$", name) for name in others), f"{module}: not on the page: {others}"
 
 
 def test_map_is_one_map():

@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 from harness.build import config_parameters, for_simulator, function_mask, text_value
-from harness.runner import ROOT, source_of, sources
+from harness.runner import ROOT, expanded, source_of, sources
 from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
@@ -123,6 +123,9 @@ ILLEGAL = [
     (CORE, config_parameters({"objects": dict.fromkeys((*range(7), 0x80, 0x81), b"a" * LONGEST_OBJECT)})),
     ("modbus_axil_master", {"HOLDING_AT": 0x1002}),
     ("modbus_axil_master", {"COIL_BASE": 65535, "COIL_COUNT": 2}),
+    ("modbus_axil_master", {"OVERLAY": 1}),
+    (IO, {"FILE_COUNT": 1}),
+    (IO, {"OVERLAY": 1}),
     ("modbus_example_ram", {"WORDS": 65537}),
 ]
 
@@ -172,7 +175,7 @@ def test_illegal_parameters_stop_elaboration(tool, case):
 
 def header(top):
     """(parameters {name: default text}, ports {name: (direction, width text)}) of a module."""
-    text = source_of(top).read_text(encoding="utf-8")
+    text = expanded(source_of(top))
     text = re.sub(r"//.*", "", text)
     text = text[re.search(rf"\bmodule\s+{top}\b", text).end() :]
     head = text[: text.index(");")]

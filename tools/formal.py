@@ -28,6 +28,7 @@ from typing import NamedTuple
 from common import ROOT, all_files, include_files, source_of
 
 TABLE = ROOT / "tb/formal/proofs.txt"
+RULES = sorted((ROOT / "tb/formal").glob("*_rules.v"))  # rules of the buses, instantiated under `ifdef FORMAL
 OUT = ROOT / "build/formal"
 BIN = Path(sys.executable).parent
 LIMIT_S = 600
@@ -97,6 +98,7 @@ def sby_text(proof: Proof, planted: Path | None) -> str:
         ENGINES[proof.method],
         "[script]",
         *(f"read_verilog -I. {Path(f).name}" for f in others),
+        *(f"read -formal -I. {path.name}" for path in RULES),
         f"read -formal -I. {proof.module}.v",
         *([f"chparam{chparam} {proof.module}"] if chparam else []),
         f"prep -top {proof.module}",
@@ -104,7 +106,7 @@ def sby_text(proof: Proof, planted: Path | None) -> str:
         *(f"cutpoint {proof.module}/{name}" for name in proof.cut),
         "memory_map",
         "[files]",
-        *(f"{Path(f).name} {ROOT / f}" for f in [*others, *include_files()]),
+        *(f"{Path(f).name} {ROOT / f}" for f in [*others, *include_files(), *RULES]),
         f"{proof.module}.v {own}",
     ]
     return "\n".join(lines) + "\n"

@@ -161,7 +161,7 @@ MISTAKES = [
     Mistake("table_one_item_too_long", "modbus_bank_guard.v", "(last_i <= high)", "(last_i <= high + 16'd1)"),
     Mistake("first_address_not_compared", "modbus_bank_guard.v", "(first_i >= low) & ", ""),
     Mistake(
-        "read_only_range_open_at_its_end", "modbus_bank_guard.v", "(first <= RO_LAST[15:0])", "(first < RO_LAST[15:0])"
+        "read_only_range_open_at_its_end", "modbus_bank_guard.v", "first > RO_LAST[15:0];", "first >= RO_LAST[15:0];"
     ),
     Mistake(
         "refusal_taken_for_a_grant",
@@ -217,9 +217,12 @@ MISTAKES = [
     Mistake(
         "host_breaks_into_a_burst",
         "modbus_bank_ram.v",
-        "host_cyc_i & (host_q | ~wb_cyc_i) & ~rst_i",
-        "host_cyc_i & ~rst_i",
+        "host_cyc_i & (host_q | ~wb_cyc_i) & ~lend",
+        "host_cyc_i & ~lend",
     ),
+    Mistake("refusal_waits_for_the_host", "modbus_bank_ram.v", "wire        lend = host_q &", "wire        lend = 1'b0 &"),
+    Mistake("grant_does_not_wait_for_the_host", "modbus_bank_ram.v", ".wait_i(lent_q)", ".wait_i(1'b0)"),
+    Mistake("host_loses_its_block_to_a_question", "modbus_bank_ram.v", "(ack | ~host_stb_i)", "(ready_q | host_stb_i)"),
     Mistake("write_pulse_for_reads_too", "modbus_dispatch.v", "is_range & fourth & argument[2];", "is_range & fourth;"),
     # the line
     Mistake(
@@ -472,7 +475,7 @@ MISTAKES = [
         "12: write_files = match(8'h06, ANY);",
     ),
     Mistake("records_beyond_270f", "modbus_data_access.v", "beyond_q <= last_q[15]", "beyond_q <= 1'b0 & last_q[15]"),
-    Mistake("file_0_is_there", "modbus_bank_guard.v", " & few != {FW{1'b0}}", ""),
+    Mistake("file_0_is_there", "modbus_bank_guard.v", " & (few != {FW{1'b0}})", ""),
     Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
     Mistake(
         "second_group_written_before_it_is_granted",
@@ -616,7 +619,7 @@ MISTAKES = [
         "stb & ends & bad & ~stale_q",
     ),
     Mistake("axil_half_of_a_word", "modbus_axil_master.v", "m_axil_wstrb   = 4'b1111", "m_axil_wstrb   = 4'b0011"),
-    Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & bad_q)", "bad_q"),
+    Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & refused_q)", "refused_q"),
     Mistake("cpu_half_a_register", "modbus_axil_slave.v", "half  = write_q & (", "half  = 1'b0 & ("),
     Mistake("cpu_hold_does_not_hold", "modbus_axil_slave.v", "host_stb_o | hold_q", "host_stb_o"),
     Mistake(
@@ -631,7 +634,7 @@ MISTAKES = [
         "s_axil_awvalid & s_axil_wvalid & ~bvalid_q",
         "s_axil_awvalid & ~bvalid_q",
     ),
-    Mistake("cpu_error_not_told", "modbus_axil_slave.v", "bad_q <= host_err_i;", "bad_q <= 1'b0;"),
+    Mistake("cpu_error_not_told", "modbus_axil_slave.v", "bad_q <= host_err_i & ~own;", "bad_q <= 1'b0;"),
     Mistake(
         "cpu_response_falls",
         "modbus_axil_slave.v",
@@ -648,8 +651,32 @@ MISTAKES = [
     Mistake(
         "soc_axil_burst_not_looked_at",
         "modbus_example_soc_axil.v",
-        "(s_axil_awvalid | s_axil_arvalid) & ~burst",
-        "(s_axil_awvalid | s_axil_arvalid)",
+        "else if (!burst) begin",
+        "else begin",
+    ),
+    Mistake(
+        "soc_axil_write_begins_without_its_data",
+        "modbus_example_soc_axil.v",
+        "s_axil_awvalid & s_axil_wvalid & ~cpu_bvalid_q",
+        "s_axil_awvalid & ~cpu_bvalid_q",
+    ),
+    Mistake(
+        "soc_axil_response_not_taken_blocks_the_bus",
+        "modbus_example_soc_axil.v",
+        "reading & (~line_q | line_rready)",
+        "reading & (line_q ? line_rready : ~cpu_rvalid_q & s_axil_rready)",
+    ),
+    Mistake(
+        "soc_axil_response_overwritten",
+        "modbus_example_soc_axil.v",
+        "s_axil_arvalid & ~cpu_rvalid_q",
+        "s_axil_arvalid",
+    ),
+    Mistake(
+        "cpu_hold_answered_within_a_burst",
+        "modbus_axil_slave.v",
+        "(none | half) ? ST_ACCEPT",
+        "(own | none | half) ? ST_ACCEPT",
     ),
     Mistake(
         "soc_axil_burst_of_one_beat",
@@ -689,7 +716,7 @@ SELECTION = [
         "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
         "|own_|breaks|right_after|during|after_reset",
     ),
-    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table"),
+    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
     ("identity_01", None),

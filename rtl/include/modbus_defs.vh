@@ -64,6 +64,9 @@
 `define MB_SPACE_EVENTS    3'd6
 `define MB_SPACE_TEXTS     3'd7
 
+// The space of the core on the host side: modbus_host_map
+`define MB_SPACE_CORE      3'd5
+
 // Counters, by the sub-function of 08H that reads them (V1.1b3, clause 6.8); the event counter has a free number.
 `define MB_CPT_EVENT          5'h0A
 `define MB_CPT_BUS_MESSAGE    5'h0B
