@@ -74,269 +74,295 @@ module modbus_program #(
   localparam [2:0] COILS = `MB_SPACE_COILS, DISCRETES = `MB_SPACE_DISCRETES, INPUTS = `MB_SPACE_INPUTS,
                    HOLDINGS = `MB_SPACE_HOLDINGS, FILES = `MB_SPACE_FILES, WORDS = `MB_SPACE_COUNTERS,
                    EVENTS = `MB_SPACE_EVENTS, TEXTS = `MB_SPACE_TEXTS;
-  localparam [10:0] NO_FLAG = 11'd0, WRITE = `MB_FLAG_WRITE, KEEP = `MB_FLAG_KEEP, DRY = `MB_FLAG_DRY,
-                    UP = `MB_FLAG_UP, CLEAR = `MB_FLAG_CLEAR, HERE = `MB_FLAG_HERE;
-  localparam [2:0] ANY = 3'd0, FUNCTION = 3'd1, ADDRESS = 3'd2, VALUE = 3'd3;   // exceptions of MATCH
   localparam [10:0] FILE_READ_MOST = 11'd121, FILE_WRITE_MOST = 11'd122, FIFO_MOST = 11'd31, OBJECTS_MOST = 11'd246;
 
-  // ------------------------------------------------------------------ where everything is
+  // ------------------------------------------------------------------ the mnemonics
 
-  // Lengths; a routine that is left out has none.
-  localparam integer
-    D = HAS_DIAGNOSTICS, U = HAS_USER, C = HAS_CONTEXT,
-    READS_BITS  = (FUNCTION_CODES[1] || FUNCTION_CODES[2]) ? 1 : 0,
-    READS_WORDS = (FUNCTION_CODES[3] || FUNCTION_CODES[4]) ? 1 : 0,
-    SINGLES     = (FUNCTION_CODES[5] || FUNCTION_CODES[6]) ? 1 : 0,
-    MULTIPLES   = (FUNCTION_CODES[15] || FUNCTION_CODES[16]) ? 1 : 0;
-
-  // The tables have 32 entries, one for each function code below 30 and for each sub-function of 08H.
-  localparam integer
-    TABLE           = 0,
-    SUB_TABLE       = 32,
-    START           = SUB_TABLE       + 32 * FUNCTION_CODES[8],
-    EXCEPTION       = START           + 3 + 2 * C + 4 * D + 9 * U,
-    SENDING         = EXCEPTION       + 6 + D,
-    TAIL            = SENDING         + 1,
-    DONE            = TAIL            + 6 * D,
-    ECHO            = DONE            + 1,
-    ANSWER          = ECHO            + 3,
-    BAD             = ANSWER          + 5,
-    FOREIGN         = BAD             + 5 * D,
-    CLEARING        = FOREIGN         + 2 * D,
-    LISTENING       = CLEARING        + 10 * D,
-    RESTART         = LISTENING       + 9 * D,
-    USER_SEND       = RESTART         + 3 * D,
-    READ_COILS      = USER_SEND       + 2 * U,
-    READ_DISCRETES  = READ_COILS      + 2 * FUNCTION_CODES[1],
-    READ_HOLDINGS   = READ_DISCRETES  + 2 * FUNCTION_CODES[2],
-    READ_INPUTS     = READ_HOLDINGS   + 2 * FUNCTION_CODES[3],
-    READ_BITS       = READ_INPUTS     + 2 * FUNCTION_CODES[4],
-    READ_WORDS      = READ_BITS       + 2 * READS_BITS,
-    READ            = READ_WORDS      + 1 * READS_WORDS,
-    WRITE_COIL      = READ            + 7 * (READS_BITS | READS_WORDS),
-    WRITE_REGISTER  = WRITE_COIL      + 3 * FUNCTION_CODES[5],
-    WRITE_SINGLE    = WRITE_REGISTER  + 2 * FUNCTION_CODES[6],
-    WRITE_COILS     = WRITE_SINGLE    + 7 * SINGLES,
-    WRITE_REGISTERS = WRITE_COILS     + 3 * FUNCTION_CODES[15],
-    WRITE_MULTIPLE  = WRITE_REGISTERS + 2 * FUNCTION_CODES[16],
-    WRITTEN         = WRITE_MULTIPLE  + 6 * MULTIPLES,
-    EXCEPTION_STATUS = WRITTEN        + 4 * (SINGLES | MULTIPLES),
-    DIAGNOSTICS     = EXCEPTION_STATUS + 6 * FUNCTION_CODES[7],
-    SUB_ECHO        = DIAGNOSTICS     + 6 * FUNCTION_CODES[8],
-    SUB_COUNTER     = SUB_ECHO        + 3 * FUNCTION_CODES[8],
-    SUB_REGISTER    = SUB_COUNTER     + 7 * FUNCTION_CODES[8],
-    SUB_DELIMITER   = SUB_REGISTER    + 7 * FUNCTION_CODES[8],
-    SUB_LISTEN      = SUB_DELIMITER   + 4 * FUNCTION_CODES[8],
-    SUB_CLEAR       = SUB_LISTEN      + 8 * FUNCTION_CODES[8],
-    SUB_OVERRUN     = SUB_CLEAR       + 7 * FUNCTION_CODES[8],
-    SUB_RESTART     = SUB_OVERRUN     + 9 * FUNCTION_CODES[8],
-    EVENT_COUNTER   = SUB_RESTART     + 6 * FUNCTION_CODES[8],
-    EVENT_LOG       = EVENT_COUNTER   + 13 * FUNCTION_CODES[11],
-    SERVER_ID       = EVENT_LOG       + 23 * FUNCTION_CODES[12],
-    MORE_ID         = (ADDITIONAL_DATA_BYTES > 0) ? 3 : 0,
-    READ_FILES      = SERVER_ID       + (10 + MORE_ID) * FUNCTION_CODES[17],
-    WRITE_FILES     = READ_FILES      + 45 * FUNCTION_CODES[20],
-    MASK_WRITE      = WRITE_FILES     + 41 * FUNCTION_CODES[21],
-    READ_WRITE      = MASK_WRITE      + 28 * FUNCTION_CODES[22],
-    READ_FIFO       = READ_WRITE      + 28 * FUNCTION_CODES[23],
-    DEVICE_ID       = READ_FIFO       + 22 * FUNCTION_CODES[24],
-    PROGRAM_END     = DEVICE_ID       + 52 * FUNCTION_CODES[43],
-    DEPTH           = (PROGRAM_END <= 256) ? 256 : 512;
-
-  generate
-    if (USER_CODES[0]) begin : gen_user_code
-      ERROR_modbus_USER_CODES_are_function_codes_1_to_127 illegal_parameter ();
-    end
-    if (PROGRAM_END > 512) begin : gen_too_long
-      ERROR_modbus_program_exceeds_512_steps illegal_parameter ();
-    end
-  endgenerate
-
-  // ------------------------------------------------------------------ the steps in writing
-
-  function [15:0] plain(input [4:0] step, input [10:0] argument);
-    plain = {step, argument};
-  endfunction
-  function [15:0] at(input [4:0] step, input [4:0] place, input [10:0] flags);
-    at = {step, flags | {6'd0, place}};
-  endfunction
-  function [15:0] load(input [1:0] what, input [4:0] place, input [10:0] flags);
-    load = {`MB_STEP_LOAD, flags | {2'd0, what, 2'd0, place}};
-  endfunction
-  function [15:0] status(input [3:0] which);
-    status = {`MB_STEP_LOAD, `MB_FLAG_HERE | {2'd0, `MB_LOAD_STATUS, 3'd0, which}};
-  endfunction
-  function [15:0] match(input [7:0] value, input [2:0] otherwise);
-    match = {`MB_STEP_MATCH, otherwise, value};
-  endfunction
-  function [15:0] jump(input [1:0] condition, input [8:0] target);
-    jump = {`MB_STEP_JUMP, condition, target};
-  endfunction
-  function [15:0] go(input [8:0] target);
-    go = jump(`MB_JUMP_ALWAYS, target);
-  endfunction
-  function [15:0] when(input [1:0] condition, input [8:0] target);
-    when = {`MB_STEP_IF, condition, target};
-  endfunction
-  function [15:0] send(input [4:0] half);
-    send = at(`MB_STEP_SEND, half, NO_FLAG);
-  endfunction
-  function [15:0] address(input [2:0] space);
-    address = {`MB_STEP_ADDRESS, `MB_FLAG_SPACE | {8'd0, space}};
-  endfunction
-  function [15:0] quantity(input [10:0] most);
-    quantity = {`MB_STEP_QUANTITY, -most};
-  endfunction
-  function [15:0] count(input [4:0] counter, input [2:0] condition);
-    count = {`MB_STEP_COUNT, 2'd0, condition, 1'b0, counter};
-  endfunction
-
-  localparam [15:0] FIRST_SET  = {`MB_STEP_SET, 11'd0};
-  localparam [15:0] LESS_SET   = {`MB_STEP_SET, `MB_FLAG_LESS};
+  localparam [15:0] ILLEGAL    = {`MB_STEP_JUMP, `MB_JUMP_NEVER, 9'd0};
+  localparam [15:0] REST       = {`MB_STEP_REST, 11'd0};
+  localparam [15:0] ADDRESS    = {`MB_STEP_ADDRESS, 11'd0};
+  localparam [15:0] COIL       = {`MB_STEP_COIL, 11'd0};
+  localparam [15:0] ZERO       = {`MB_STEP_COIL, `MB_FLAG_ZERO};
+  localparam [15:0] BYTE_COUNT = {`MB_STEP_BYTE_COUNT, 11'd0};
+  localparam [15:0] BYTE_COUNT_FITS = {`MB_STEP_BYTE_COUNT, `MB_FLAG_FIT};
+  localparam [15:0] END        = {`MB_STEP_END, 11'd0};
+  localparam [15:0] END_OF_WORDS = {`MB_STEP_END, `MB_FLAG_WORDS};
+  localparam [15:0] FILE       = {`MB_STEP_FILE, 11'd0};
+  localparam [15:0] TOTAL      = {`MB_STEP_TOTAL, 11'd0};
+  localparam [15:0] RANGE      = {`MB_STEP_RANGE, 11'd0};
+  localparam [15:0] RANGE_OF_ONE = {`MB_STEP_RANGE, `MB_FLAG_SINGLE};
+  localparam [15:0] RANGE_OF_FILE = {`MB_STEP_RANGE, `MB_FLAG_FILE};
+  localparam [15:0] RANGE_WRITTEN = {`MB_STEP_RANGE, `MB_FLAG_WRITTEN};
+  localparam [15:0] GRANT_READ  = {`MB_STEP_GRANT, 11'd0};
+  localparam [15:0] GRANT_WRITE = {`MB_STEP_GRANT, `MB_FLAG_WRITE};
+  localparam [15:0] READ_BURST  = {`MB_STEP_BURST, 11'd0};
+  localparam [15:0] READ_BURST_KEEP = {`MB_STEP_BURST, `MB_FLAG_KEEP};
+  localparam [15:0] WRITE_BURST = {`MB_STEP_BURST, `MB_FLAG_WRITE};
+  localparam [15:0] WRITE_BURST_KEEP = {`MB_STEP_BURST, `MB_FLAG_WRITE | `MB_FLAG_KEEP};
+  localparam [15:0] DRY_BURST  = {`MB_STEP_BURST, `MB_FLAG_WRITE | `MB_FLAG_DRY};
+  localparam [15:0] PUT_HERE   = {`MB_STEP_PUT, `MB_FLAG_HERE};
   localparam [15:0] SAVE       = {`MB_STEP_CONTEXT, 9'd0, `MB_CONTEXT_SAVE};
   localparam [15:0] RECALL     = {`MB_STEP_CONTEXT, 9'd0, `MB_CONTEXT_RECALL};
   localparam [15:0] SWAP       = {`MB_STEP_CONTEXT, 9'd0, `MB_CONTEXT_SWAP};
-  localparam [15:0] REST       = {`MB_STEP_REST, 11'd0};
-  localparam [15:0] ILLEGAL    = {`MB_STEP_JUMP, `MB_JUMP_NEVER, 9'd0};
   localparam [15:0] SENT_EVENT = {`MB_STEP_LOG, `MB_FLAG_EXCEPTION | 11'h040};
 
+  // A target that does not exist, -1, gives a step that the assembler counts as a fault.
+  localparam [15:0] FAULT      = {`MB_STEP_JUMP, `MB_JUMP_NEVER, 9'h1FF};
 
+  function [15:0] JUMP(input [1:0] condition, input integer target);
+    JUMP = (target < 0) ? FAULT : {`MB_STEP_JUMP, condition, target[8:0]};
+  endfunction
+  function [15:0] GO(input integer target);
+    GO = JUMP(`MB_JUMP_ALWAYS, target);
+  endfunction
+  function [15:0] GO_IF_READY(input integer target);
+    GO_IF_READY = JUMP(`MB_JUMP_READY, target);
+  endfunction
+  function [15:0] GO_IF_UNICAST(input integer target);
+    GO_IF_UNICAST = JUMP(`MB_JUMP_UNICAST, target);
+  endfunction
+  function [15:0] IF(input [1:0] condition, input integer target);
+    IF = (target < 0) ? FAULT : {`MB_STEP_IF, condition, target[8:0]};
+  endfunction
+  function [15:0] IF_LEFT(input integer target);
+    IF_LEFT = IF(`MB_IF_LEFT, target);
+  endfunction
+  function [15:0] IF_EQUAL(input integer target);
+    IF_EQUAL = IF(`MB_IF_EQUAL, target);
+  endfunction
+  function [15:0] IF_LISTENING(input integer target);
+    IF_LISTENING = IF(`MB_IF_LISTENING, target);
+  endfunction
+  function [15:0] IF_NOT_USER(input integer target);
+    IF_NOT_USER = IF(`MB_IF_NOT_USER, target);
+  endfunction
+  function [15:0] OFFER(input integer target);
+    OFFER = (target < 0) ? FAULT : {`MB_STEP_OFFER, 2'd0, target[8:0]};
+  endfunction
+  function [15:0] DISPATCH(input integer table_at);
+    DISPATCH = {`MB_STEP_FUNCTION, 2'd0, table_at[8:0]};
+  endfunction
+  function [15:0] DISPATCH_WIDE(input integer table_at);
+    DISPATCH_WIDE = {`MB_STEP_FUNCTION, `MB_FLAG_WIDE | {2'd0, table_at[8:0]}};
+  endfunction
+  function [15:0] ADDRESS_IN(input [2:0] space);
+    ADDRESS_IN = {`MB_STEP_ADDRESS, `MB_FLAG_SPACE | {8'd0, space}};
+  endfunction
+  function [15:0] SPACE(input [2:0] space);
+    SPACE = {`MB_STEP_SPACE, 8'd0, space};
+  endfunction
+  function [15:0] QUANTITY(input [10:0] most);
+    QUANTITY = {`MB_STEP_QUANTITY, -most};
+  endfunction
+  function [15:0] DEPTH(input [10:0] most);
+    DEPTH = {`MB_STEP_DEPTH, 11'd0 - most - 11'd1};
+  endfunction
+  function [15:0] FIRST(input [7:0] number);
+    FIRST = {`MB_STEP_SET, 3'd0, number};
+  endfunction
+  function [15:0] ITEMS(input integer number);
+    ITEMS = {`MB_STEP_SET, `MB_FLAG_LESS | {3'd0, number[7:0] - 8'd1}};
+  endfunction
+  function [15:0] POINT(input [4:0] place);
+    POINT = {`MB_STEP_POINT, 6'd0, place};
+  endfunction
+  function [15:0] POINT_CLEAR(input [4:0] place);
+    POINT_CLEAR = {`MB_STEP_POINT, `MB_FLAG_CLEAR | {6'd0, place}};
+  endfunction
+  function [15:0] WALK(input [4:0] place);
+    WALK = {`MB_STEP_WALK, 6'd0, place};
+  endfunction
+  function [15:0] WALK_UP(input [4:0] place);
+    WALK_UP = {`MB_STEP_WALK, `MB_FLAG_UP | {6'd0, place}};
+  endfunction
+  function [15:0] LOAD(input [4:0] place);
+    LOAD = {`MB_STEP_LOAD, 2'd0, `MB_LOAD_BYTE, 2'd0, place};
+  endfunction
+  function [15:0] LOAD_MARKED(input [4:0] place);
+    LOAD_MARKED = {`MB_STEP_LOAD, `MB_FLAG_MARK | {2'd0, `MB_LOAD_BYTE, 2'd0, place}};
+  endfunction
+  function [15:0] XOR(input [4:0] place);
+    XOR = {`MB_STEP_LOAD, 2'd0, `MB_LOAD_XOR, 2'd0, place};
+  endfunction
+  function [15:0] AND(input [4:0] place);
+    AND = {`MB_STEP_LOAD, 2'd0, `MB_LOAD_AND, 2'd0, place};
+  endfunction
+  function [15:0] STATUS(input [3:0] which);
+    STATUS = {`MB_STEP_LOAD, `MB_FLAG_HERE | {2'd0, `MB_LOAD_STATUS, 3'd0, which}};
+  endfunction
+  function [15:0] LITERAL(input [7:0] value);
+    LITERAL = {`MB_STEP_LITERAL, 3'd0, value};
+  endfunction
+  function [15:0] PUT(input [4:0] place);
+    PUT = {`MB_STEP_PUT, 6'd0, place};
+  endfunction
+  function [15:0] SEND(input [4:0] half);
+    SEND = {`MB_STEP_SEND, 6'd0, half};
+  endfunction
+  function [15:0] MATCH(input [7:0] value, input [3:0] exception_code);
+    MATCH = {`MB_STEP_MATCH, exception_code[2:0], value};
+  endfunction
+  localparam [15:0] SKIP_BYTE = {`MB_STEP_MATCH, 11'd0};
+  function [15:0] COUNT(input [4:0] counter, input [2:0] condition);
+    COUNT = {`MB_STEP_COUNT, 2'd0, condition, 1'b0, counter};
+  endfunction
+  function [15:0] CLEAR(input integer counter);
+    CLEAR = {`MB_STEP_COUNT, `MB_FLAG_CLEAR | {6'd0, counter[4:0]}};
+  endfunction
+  function [15:0] LOG(input [7:0] what, input [10:0] flags);
+    LOG = {`MB_STEP_LOG, flags | {3'd0, what}};
+  endfunction
+  function [15:0] MODE(input [10:0] modes);
+    MODE = {`MB_STEP_MODE, modes};
+  endfunction
+
+  // ------------------------------------------------------------------ the assembler
+
+  // Two passes over the listing: the first finds where each label is, the second writes the steps with these places.
+  // A label is a variable of the function; -1: not in this program.  A fault: a label that stands twice, a jump to one
+  // that is not there, a routine that should run into another and does not.
+  localparam integer STEPS = 512;
+
+`define LABEL(NAME) \
+  if (second ? NAME != here : NAME != NOWHERE) faults = faults + 1; \
+  NAME = here;
+`define ROUTINE(NAME, CONDITION) if (CONDITION) begin `LABEL(NAME)
+`define DO(STEP) \
+  if (second && STEP == FAULT) faults = faults + 1; \
+  image[16*here +: 16] = STEP; \
+  here = here + 1;
+`define LOOP loop = here;
+`define FALL_INTO(NAME) if (second && NAME != here) faults = faults + 1;
+`define END_ROUTINE end
+`define NEXT (here + 1)
+`define TABLE(NAME) `LABEL(NAME) here = here + 32;
+`define FUNCTION_CODE(CODE, STEP) \
+  if (FUNCTION_CODES[CODE]) image[16*((CODE == 43) ? 30 : CODE) +: 16] = STEP;
+`define SUB_FUNCTION(CODE, STEP) image[16*(SUB_TABLE + CODE) +: 16] = STEP;
+`define END_TABLE
+
+  localparam integer NOWHERE = -1, WHERE = 16;    // bits of an address in what the function returns
+  localparam integer BITS = 7 * WHERE + 16 * STEPS;
+
+  function [BITS-1:0] assembled(input integer origin);
+    reg [16*STEPS-1:0] image;
+    reg second;
+    integer pass, here, loop, faults;
+    integer FUNCTION_TABLE, SUB_TABLE, START, OURS, EXCEPTION, SENDING, TAIL, TAIL_NO_EVENT, DONE, ECHO, ANSWER,
+            BAD, FOREIGN, CLEARING, LISTENING, RESTART, USER_SEND, READ_COILS, READ_DISCRETES, READ_HOLDINGS,
+            READ_INPUTS, READ_BITS, READ_WORDS, READ, WRITE_COIL, WRITE_REGISTER, WRITE_SINGLE, WRITE_COILS,
+            WRITE_REGISTERS, WRITE_MULTIPLE, WRITTEN, EXCEPTION_STATUS, DIAGNOSTICS, SUB_ECHO, SUB_COUNTER,
+            SUB_REGISTER, SUB_DELIMITER, SUB_LISTEN, SUB_CLEAR, SUB_OVERRUN, SUB_RESTART, EVENT_COUNTER,
+            EVENT_LOG, SERVER_ID_ANSWER, READ_FILES, WRITE_FILES, MASK_WRITE, READ_WRITE, READ_FIFO, DEVICE_ID,
+            FOUND;
+    begin
+      FUNCTION_TABLE = NOWHERE;
+      SUB_TABLE = NOWHERE;
+      START = NOWHERE;
+      OURS = NOWHERE;
+      EXCEPTION = NOWHERE;
+      SENDING = NOWHERE;
+      TAIL = NOWHERE;
+      TAIL_NO_EVENT = NOWHERE;
+      DONE = NOWHERE;
+      ECHO = NOWHERE;
+      ANSWER = NOWHERE;
+      BAD = NOWHERE;
+      FOREIGN = NOWHERE;
+      CLEARING = NOWHERE;
+      LISTENING = NOWHERE;
+      RESTART = NOWHERE;
+      USER_SEND = NOWHERE;
+      READ_COILS = NOWHERE;
+      READ_DISCRETES = NOWHERE;
+      READ_HOLDINGS = NOWHERE;
+      READ_INPUTS = NOWHERE;
+      READ_BITS = NOWHERE;
+      READ_WORDS = NOWHERE;
+      READ = NOWHERE;
+      WRITE_COIL = NOWHERE;
+      WRITE_REGISTER = NOWHERE;
+      WRITE_SINGLE = NOWHERE;
+      WRITE_COILS = NOWHERE;
+      WRITE_REGISTERS = NOWHERE;
+      WRITE_MULTIPLE = NOWHERE;
+      WRITTEN = NOWHERE;
+      EXCEPTION_STATUS = NOWHERE;
+      DIAGNOSTICS = NOWHERE;
+      SUB_ECHO = NOWHERE;
+      SUB_COUNTER = NOWHERE;
+      SUB_REGISTER = NOWHERE;
+      SUB_DELIMITER = NOWHERE;
+      SUB_LISTEN = NOWHERE;
+      SUB_CLEAR = NOWHERE;
+      SUB_OVERRUN = NOWHERE;
+      SUB_RESTART = NOWHERE;
+      EVENT_COUNTER = NOWHERE;
+      EVENT_LOG = NOWHERE;
+      SERVER_ID_ANSWER = NOWHERE;
+      READ_FILES = NOWHERE;
+      WRITE_FILES = NOWHERE;
+      MASK_WRITE = NOWHERE;
+      READ_WRITE = NOWHERE;
+      READ_FIFO = NOWHERE;
+      DEVICE_ID = NOWHERE;
+      FOUND = NOWHERE;
+      image  = {STEPS{ILLEGAL}};
+      faults = origin;
+      second = 1'b0;
+      for (pass = 0; pass < 2; pass = pass + 1) begin
+        second = (pass == 1);
+        here   = origin;
 `include "modbus_routines_frame.vh"
 `include "modbus_routines_data.vh"
 `include "modbus_routines_diagnostics.vh"
 `include "modbus_routines_files.vh"
 `include "modbus_routines_identity.vh"
+      end
+      assembled = {faults[WHERE-1:0], here[WHERE-1:0], CLEARING[WHERE-1:0], EXCEPTION[WHERE-1:0], BAD[WHERE-1:0],
+                   FOREIGN[WHERE-1:0], START[WHERE-1:0], image};
+    end
+  endfunction
+
+  localparam [BITS-1:0] PROGRAM = assembled(0);
+  localparam integer PROGRAM_END = PROGRAM[16*STEPS + 5*WHERE +: WHERE],
+                     FAULTS      = PROGRAM[16*STEPS + 6*WHERE +: WHERE],
+                     DEPTH_STEPS = (PROGRAM_END <= 256) ? 256 : 512;
+
+  generate
+    if (FAULTS != 0) begin : gen_faults
+      ERROR_modbus_program_a_label_is_missing_or_stands_twice illegal_parameter ();
+    end
+    if (USER_CODES[0]) begin : gen_user_code
+      ERROR_modbus_USER_CODES_are_function_codes_1_to_127 illegal_parameter ();
+    end
+    if (PROGRAM_END > STEPS) begin : gen_too_long
+      ERROR_modbus_program_exceeds_512_steps illegal_parameter ();
+    end
+  endgenerate
 
   // ------------------------------------------------------------------ the memory
 
-  // One entry for each function code: where its routine is, and whether a broadcast may go there
-  function [15:0] entry(input integer code);
-    begin
-      entry = ILLEGAL;
-      if (code < 30 ? FUNCTION_CODES[code] : (code == 30 && FUNCTION_CODES[43]))
-        case (code)
-          `MB_FC_READ_COILS:               entry = jump(`MB_JUMP_UNICAST, READ_COILS[8:0]);
-          `MB_FC_READ_DISCRETE_INPUTS:     entry = jump(`MB_JUMP_UNICAST, READ_DISCRETES[8:0]);
-          `MB_FC_READ_HOLDING_REGISTERS:   entry = jump(`MB_JUMP_UNICAST, READ_HOLDINGS[8:0]);
-          `MB_FC_READ_INPUT_REGISTERS:     entry = jump(`MB_JUMP_UNICAST, READ_INPUTS[8:0]);
-          `MB_FC_WRITE_SINGLE_COIL:        entry = go(WRITE_COIL[8:0]);
-          `MB_FC_WRITE_SINGLE_REGISTER:    entry = go(WRITE_REGISTER[8:0]);
-          `MB_FC_READ_EXCEPTION_STATUS:    entry = jump(`MB_JUMP_UNICAST, EXCEPTION_STATUS[8:0]);
-          `MB_FC_DIAGNOSTICS:              entry = jump(`MB_JUMP_UNICAST, DIAGNOSTICS[8:0]);
-          `MB_FC_GET_EVENT_COUNTER:        entry = jump(`MB_JUMP_UNICAST, EVENT_COUNTER[8:0]);
-          `MB_FC_GET_EVENT_LOG:            entry = jump(`MB_JUMP_UNICAST, EVENT_LOG[8:0]);
-          `MB_FC_WRITE_MULTIPLE_COILS:     entry = go(WRITE_COILS[8:0]);
-          `MB_FC_WRITE_MULTIPLE_REGISTERS: entry = go(WRITE_REGISTERS[8:0]);
-          `MB_FC_REPORT_SERVER_ID:         entry = jump(`MB_JUMP_UNICAST, SERVER_ID[8:0]);
-          `MB_FC_READ_FILE_RECORD:         entry = jump(`MB_JUMP_UNICAST, READ_FILES[8:0]);
-          `MB_FC_WRITE_FILE_RECORD:        entry = jump(`MB_JUMP_UNICAST, WRITE_FILES[8:0]);
-          `MB_FC_MASK_WRITE_REGISTER:      entry = jump(`MB_JUMP_UNICAST, MASK_WRITE[8:0]);
-          `MB_FC_READ_WRITE_REGISTERS:     entry = jump(`MB_JUMP_UNICAST, READ_WRITE[8:0]);
-          `MB_FC_READ_FIFO_QUEUE:          entry = jump(`MB_JUMP_UNICAST, READ_FIFO[8:0]);
-          default:                         entry = jump(`MB_JUMP_UNICAST, DEVICE_ID[8:0]);
-        endcase
-    end
-  endfunction
-
-  // Which routine a step is of
-  function [15:0] frame_step(input integer n);
-    begin
-      if (n < 32)              frame_step = entry(n);
-      else if (n < START)      frame_step = sub_entry(n - SUB_TABLE);
-      else if (n < EXCEPTION)  frame_step = start(n - START);
-      else if (n < SENDING)    frame_step = exception(n - EXCEPTION);
-      else if (n < TAIL)       frame_step = send(AT_FRAME);
-      else if (n < DONE)       frame_step = tail(n - TAIL);
-      else if (n < ECHO)       frame_step = REST;
-      else if (n < ANSWER)     frame_step = echo(n - ECHO, AT_VALUE_END);
-      else if (n < BAD)        frame_step = answer(n - ANSWER);
-      else if (n < FOREIGN)    frame_step = bad(n - BAD);
-      else if (n < CLEARING)   frame_step = foreign(n - FOREIGN);
-      else if (n < LISTENING)  frame_step = clearing(n - CLEARING);
-      else if (n < RESTART)    frame_step = listening(n - LISTENING);
-      else if (n < USER_SEND)  frame_step = restart(n - RESTART);
-      else                     frame_step = user_send(n - USER_SEND);
-    end
-  endfunction
-
-  function [15:0] data_step(input integer n);
-    begin
-      if (n < READ_DISCRETES)        data_step = in_space(n - READ_COILS, COILS, READ_BITS[8:0]);
-      else if (n < READ_HOLDINGS)    data_step = in_space(n - READ_DISCRETES, DISCRETES, READ_BITS[8:0]);
-      else if (n < READ_INPUTS)      data_step = in_space(n - READ_HOLDINGS, HOLDINGS, READ_WORDS[8:0]);
-      else if (n < READ_BITS)        data_step = in_space(n - READ_INPUTS, INPUTS, READ_WORDS[8:0]);
-      else if (n < READ_WORDS)       data_step = read_bits(n - READ_BITS);
-      else if (n < READ)             data_step = quantity(MAX_READ_REGISTERS[10:0]);
-      else if (n < WRITE_COIL)       data_step = read(n - READ);
-      else if (n < WRITE_REGISTER)   data_step = write_coil(n - WRITE_COIL);
-      else if (n < WRITE_SINGLE)     data_step = write_register(n - WRITE_REGISTER);
-      else if (n < WRITE_COILS)      data_step = write_single(n - WRITE_SINGLE);
-      else if (n < WRITE_REGISTERS)  data_step = write_coils(n - WRITE_COILS);
-      else if (n < WRITE_MULTIPLE)   data_step = write_registers(n - WRITE_REGISTERS);
-      else if (n < WRITTEN)          data_step = write_multiple(n - WRITE_MULTIPLE);
-      else                           data_step = written(n - WRITTEN);
-    end
-  endfunction
-
-  function [15:0] diagnostics_step(input integer n);
-    begin
-      if (n < DIAGNOSTICS)        diagnostics_step = exception_status(n - EXCEPTION_STATUS);
-      else if (n < SUB_ECHO)      diagnostics_step = diagnostics(n - DIAGNOSTICS);
-      else if (n < SUB_COUNTER)   diagnostics_step = sub_echo(n - SUB_ECHO);
-      else if (n < SUB_REGISTER)  diagnostics_step = sub_counter(n - SUB_COUNTER);
-      else if (n < SUB_DELIMITER) diagnostics_step = sub_register(n - SUB_REGISTER);
-      else if (n < SUB_LISTEN)    diagnostics_step = sub_delimiter(n - SUB_DELIMITER);
-      else if (n < SUB_CLEAR)     diagnostics_step = sub_listen(n - SUB_LISTEN);
-      else if (n < SUB_OVERRUN)   diagnostics_step = sub_clear(n - SUB_CLEAR);
-      else if (n < SUB_RESTART)   diagnostics_step = sub_overrun(n - SUB_OVERRUN);
-      else if (n < EVENT_COUNTER) diagnostics_step = sub_restart(n - SUB_RESTART);
-      else if (n < EVENT_LOG)     diagnostics_step = event_counter(n - EVENT_COUNTER);
-      else                        diagnostics_step = event_log(n - EVENT_LOG);
-    end
-  endfunction
-
-  function [15:0] other_step(input integer n);
-    begin
-      if (n < READ_FILES)       other_step = server_id(n - SERVER_ID);
-      else if (n < WRITE_FILES) other_step = read_files(n - READ_FILES);
-      else if (n < MASK_WRITE)  other_step = write_files(n - WRITE_FILES);
-      else if (n < READ_WRITE)  other_step = mask_write(n - MASK_WRITE);
-      else if (n < READ_FIFO)   other_step = read_write(n - READ_WRITE);
-      else if (n < DEVICE_ID)   other_step = read_fifo(n - READ_FIFO);
-      else                      other_step = device_id(n - DEVICE_ID);
-    end
-  endfunction
-
-  function [15:0] content(input integer n);
-    begin
-      if (n < READ_COILS)            content = frame_step(n);
-      else if (n < EXCEPTION_STATUS) content = data_step(n);
-      else if (n < SERVER_ID)        content = diagnostics_step(n);
-      else if (n < PROGRAM_END)      content = other_step(n);
-      else                           content = ILLEGAL;
-    end
-  endfunction
-
-  reg [15:0] memory [0:DEPTH-1];
+  reg [15:0] memory [0:DEPTH_STEPS-1];
   reg [15:0] step_q;
   integer i;
 
-  initial for (i = 0; i < DEPTH; i = i + 1) memory[i] = content(i);
+  initial for (i = 0; i < DEPTH_STEPS; i = i + 1) memory[i] = PROGRAM[16*i +: 16];
 
   generate
-    if (DEPTH <= 256) begin : gen_short
+    if (DEPTH_STEPS <= 256) begin : gen_short
       wire unused = at_i[8];
     end
   endgenerate
 
-  always @(posedge clk_i) step_q <= memory[at_i[$clog2(DEPTH)-1:0]];
+  always @(posedge clk_i) step_q <= memory[at_i[$clog2(DEPTH_STEPS)-1:0]];
 
   assign step_o      = step_q;
-  assign start_o     = START[8:0];
-  assign foreign_o   = FOREIGN[8:0];
-  assign bad_o       = BAD[8:0];
-  assign exception_o = EXCEPTION[8:0];
-  assign reset_o     = CLEARING[8:0];
+  assign start_o     = PROGRAM[16*STEPS + 0*WHERE +: 9];
+  assign foreign_o   = PROGRAM[16*STEPS + 1*WHERE +: 9];
+  assign bad_o       = PROGRAM[16*STEPS + 2*WHERE +: 9];
+  assign exception_o = PROGRAM[16*STEPS + 3*WHERE +: 9];
+  assign reset_o     = PROGRAM[16*STEPS + 4*WHERE +: 9];
 
 endmodule
 
