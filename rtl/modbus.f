@@ -10,10 +10,12 @@ rtl/engine/modbus_frame_ram.v
 rtl/line/modbus_frame_rx.v
 rtl/line/modbus_frame_tx.v
 rtl/engine/modbus_program.v
-rtl/engine/modbus_dispatch.v
-rtl/engine/modbus_data_access.v
+rtl/engine/modbus_sequencer.v
+rtl/engine/modbus_range.v
+rtl/engine/modbus_burst.v
 rtl/engine/modbus_diagnostics.v
 rtl/engine/modbus_identity.v
+rtl/engine/modbus_engine.v
 rtl/line/modbus_wait.v
 rtl/line/modbus_alive.v
 rtl/modbus_rtu_core.v

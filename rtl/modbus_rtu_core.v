@@ -139,7 +139,8 @@ module modbus_rtu_core #(
   localparam integer T15_CLOCKS = (CLK_HZ / 1000000) * T15_MIN_US + (KHZ * T15_MIN_US + 999) / 1000;
   localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
 
-`include "modbus_features.vh"
+  localparam [127:0] CODES = {64'd0, FUNCTION_CODES};
+  localparam HAS_DIAGNOSTICS = (FUNCTION_CODES & 64'h1900) != 0;
 
   // Bit clock
   wire       quarter_stb, bit_stb, rx_restart, tx_restart, send_stb;
@@ -174,8 +175,7 @@ module modbus_rtu_core #(
   // Frames
   wire       open_stb, store_stb, look_stb, good_stb, broadcast, foreign_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
   wire [8:0] count;
-  wire [3:0] cursor;
-  wire [7:0] frame_byte, held;
+  wire [7:0] frame_byte;
 
   modbus_frame_rx u_frame_rx (
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(gap_count_only_i), .strict_i(strict_turnaround_i),
@@ -188,22 +188,7 @@ module modbus_rtu_core #(
     .err_gap_o(err_gap_o)
   );
 
-  wire       do_point, do_clear, do_step, do_up, do_down, do_put, do_keep, do_recall, move_put, move_step, tx_step;
-  wire       user_put;
-  wire [4:0] do_point_at;
-  wire [7:0] move_data;
-  wire [8:0] kept_count;
-
-  modbus_frame_ram #(.HAS_UPPER(HAS_UPPER), .HAS_CONTEXT(HAS_CONTEXT)) u_frame_ram (
-    .clk_i(clk_i),
-    .point_i(open_stb | look_stb | do_point), .point_at_i((open_stb | look_stb) ? 5'd0 : do_point_at),
-    .step_i(store_stb | do_step | move_put | move_step | user_put | tx_step),
-    .clear_i(open_stb | do_clear), .up_i(store_stb | do_up | move_put | user_put), .down_i(do_down | move_step | tx_step),
-    .keep_i(do_keep), .recall_i(do_recall), .look_i(user_req_o), .look_at_i(user_adr_i),
-    .write_i(store_stb | do_put | move_put | user_put),
-    .data_i(rx_active_o ? rx_data : user_req_o ? user_dat_i : move_data),
-    .byte_o(frame_byte), .cursor_o(cursor), .count_o(count), .kept_count_o(kept_count)
-  );
+  wire       tx_step, waiting, stall, tx_waits;
 
   wire tx_bit_stb, tx_bit, tx_feed, check_bit;
 
@@ -213,156 +198,58 @@ module modbus_rtu_core #(
   );
 
   // Requests
-  wire [8:0]  program_at, program_start, program_foreign, program_bad, program_exception, program_reset;
-  wire [15:0] program_step;
-  wire        do_hold, do_address, do_quantity, do_depth, do_single, do_set_first, do_set_less, do_file;
-  wire        do_total_clear, do_total, do_range, do_load, do_literal, do_grant, do_burst, do_offer;
-  wire        in_limit, bytes_fit, over, beyond, too_long, done, fail, waiting, stall, tx_waits;
-  wire [10:0] argument;
-  wire [6:1]  mode;
-  wire [2:0]  space;
-  wire [1:0]  what;
-  wire        do_write, keep, dry, mark, inner, user_done, user_fail;
-  wire [3:0]  code, fail_code, user_code;
-  wire [7:0]  length;
-  wire [15:0] inner_data;
-  wire        diag_count, diag_clear, diag_log, diag_now, diag_applies;
-  wire [7:0]  diag_event;
+  wire [`MB_VERDICT_WIDTH-1:0] verdict;
+  wire [`MB_FRAME_WIDTH-1:0]   frame = {err_long_o, bad_stb, foreign_stb, broadcast, good_stb};
+  wire [`MB_RAM_WIDTH-1:0]     ram_do = {tx_step, store_stb, look_stb, open_stb};
 
-  modbus_program #(
-    .FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES), .MAX_READ_BITS(MAX_READ_BITS),
+  modbus_engine #(
+    .FUNCTION_CODES(CODES), .USER_CODES(USER_CODES), .MAX_READ_BITS(MAX_READ_BITS),
     .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
-    .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
-  ) u_program (
-    .clk_i(clk_i), .at_i(program_at), .step_o(program_step), .start_o(program_start),
-    .foreign_o(program_foreign), .bad_o(program_bad), .exception_o(program_exception), .reset_o(program_reset)
-  );
-
-  modbus_dispatch #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_dispatch (
-    .clk_i(clk_i), .rst_i(rst_i), .busy_i(busy_i), .failure_i(failure_i), .good_i(good_stb),
-    .broadcast_i(broadcast), .foreign_i(foreign_stb), .bad_i(bad_stb), .long_i(err_long_o), .send_stb_o(send_stb),
-    .quiet_stb_o(quiet_stb), .restart_stb_o(restart), .written_stb_o(write_stb_o),
-    .sending_i(tx_waits), .program_at_o(program_at), .program_step_i(program_step), .start_i(program_start),
-    .foreign_at_i(program_foreign), .bad_at_i(program_bad), .exception_i(program_exception), .reset_i(program_reset), .byte_i(frame_byte),
-    .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at), .clear_o(do_clear),
-    .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put), .context_keep_o(do_keep),
-    .context_recall_o(do_recall), .hold_o(do_hold), .address_o(do_address), .quantity_o(do_quantity),
-    .depth_o(do_depth), .single_o(do_single), .set_first_o(do_set_first), .set_less_o(do_set_less),
-    .file_o(do_file), .total_clear_o(do_total_clear), .total_o(do_total), .range_o(do_range), .load_o(do_load),
-    .literal_o(do_literal), .grant_o(do_grant), .burst_o(do_burst), .argument_o(argument), .space_o(space),
-    .write_o(do_write), .keep_o(keep), .dry_o(dry), .what_o(what), .mark_o(mark), .code_o(code),
-    .in_limit_i(in_limit), .bytes_fit_i(bytes_fit), .over_i(over), .beyond_i(beyond), .too_long_i(too_long),
-    .done_i(done), .fail_i(fail), .fail_code_i(fail_code), .held_i(held), .offer_o(do_offer),
-    .user_done_i(user_done), .user_fail_i(user_fail), .user_pass_i(user_pass_i), .user_code_i(user_code),
-    .diag_count_o(diag_count), .diag_clear_o(diag_clear), .diag_log_o(diag_log), .diag_event_o(diag_event),
-    .diag_now_o(diag_now), .diag_applies_o(diag_applies), .mode_o(mode), .listen_only_i(listen_only_o)
-  );
-
-  modbus_data_access #(
-    .HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK), .HAS_INTERNAL(HAS_INTERNAL),
-    .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES)
-  ) u_data_access (
-    .clk_i(clk_i), .rst_i(rst_i), .hold_i(do_hold), .address_i(do_address), .quantity_i(do_quantity),
-    .depth_i(do_depth), .single_i(do_single), .set_first_i(do_set_first), .set_less_i(do_set_less),
-    .file_i(do_file), .total_clear_i(do_total_clear), .total_i(do_total), .range_i(do_range), .load_i(do_load),
-    .load_what_i(what), .load_flag_i(mark), .literal_stb_i(do_literal), .literal_i(argument[7:0]),
-    .grant_i(do_grant), .burst_i(do_burst), .write_i(do_write), .keep_i(keep), .dry_i(dry), .release_i(send_stb | quiet_stb),
-    .space_i(space), .room_i(argument), .status_i(status), .in_limit_o(in_limit), .bytes_fit_o(bytes_fit),
-    .over_o(over), .beyond_o(beyond), .too_long_o(too_long), .length_o(length), .done_o(done), .fail_o(fail),
-    .fail_code_o(fail_code), .held_o(held), .first_o(grant_first_o), .last_o(grant_last_o), .file_o(grant_file_o),
-    .inner_o(inner), .inner_i(inner_data), .byte_i(frame_byte), .count_i(count), .put_o(move_put),
-    .data_o(move_data), .step_o(move_step), .waiting_o(waiting), .stall_i(stall), .grant_req_o(grant_req_o),
-    .grant_write_o(grant_write_o), .grant_ack_i(grant_ack_i), .exception_i(exception_i), .wb_cyc_o(wb_cyc_o),
+    .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA(ADDITIONAL_DATA),
+    .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .VENDOR_NAME(VENDOR_NAME), .PRODUCT_CODE(PRODUCT_CODE),
+    .REVISION(REVISION), .VENDOR_URL(VENDOR_URL), .PRODUCT_NAME(PRODUCT_NAME), .MODEL_NAME(MODEL_NAME),
+    .USER_APPLICATION_NAME(USER_APPLICATION_NAME), .PRIVATE_OBJECTS(PRIVATE_OBJECTS), .CONFORMITY(CONFORMITY),
+    .DEVICE_ID_LIMIT(DEVICE_ID_LIMIT)
+  ) u_engine (
+    .clk_i(clk_i), .rst_i(rst_i),
+    .host_state_i({diagnostic_i[15:1], exception_status_i, failure_i, run_indicator_i, busy_i}),
+    .write_stb_o(write_stb_o), .listen_only_o(listen_only_o), .frame_i(frame), .ram_do_i(ram_do), .rx_byte_i(rx_data),
+    .rx_active_i(rx_active_o), .frame_byte_o(frame_byte), .count_o(count), .verdict_o(verdict), .sending_i(tx_waits),
+    .bank_waits_o(waiting), .stall_i(stall), .grant_req_o(grant_req_o), .grant_space_o(grant_space_o),
+    .grant_first_o(grant_first_o), .grant_last_o(grant_last_o), .grant_write_o(grant_write_o),
+    .grant_file_o(grant_file_o), .grant_ack_i(grant_ack_i), .exception_i(exception_i), .wb_cyc_o(wb_cyc_o),
     .wb_stb_o(wb_stb_o), .wb_we_o(wb_we_o), .wb_adr_o(wb_adr_o), .wb_dat_o(wb_dat_o), .wb_dat_i(wb_dat_i),
-    .wb_ack_i(wb_ack_i), .wb_err_i(wb_err_i)
+    .wb_ack_i(wb_ack_i), .wb_err_i(wb_err_i), .user_req_o(user_req_o), .user_count_o(user_count_o),
+    .user_adr_i(user_adr_i), .user_dat_o(user_dat_o),
+    .user_reply_i({user_dat_i, user_exception_i, user_pass_i, user_done_i, user_put_i}),
+    .status_stb_i(counter_stb_i), .status_adr_i(counter_adr_i), .status_dat_o(counter_dat_o),
+    .status_ack_o(counter_ack_o)
   );
 
-  // What a LOAD step can ask for beside the frame; what is not built in gives the count.
-  wire [7:0] flag = {8{argument[3] ? run_indicator_i : busy_i}};
-  wire [63:0] statuses = {
-    FUNCTION_CODES[20]     ? length : count[7:0],
-    (HAS_DIAGNOSTICS != 0) ? {1'b0, log_count_o} : count[7:0],
-    (HAS_DIAGNOSTICS != 0) ? diagnostic_register_o : {2{count[7:0]}},
-    (HAS_DIAGNOSTICS != 0 || FUNCTION_CODES[17]) ? flag : count[7:0],
-    FUNCTION_CODES[7]      ? exception_status_i : count[7:0],
-    {4'd0, code},
-    count[7:0]};
-  wire [7:0] status = statuses[{argument[2:0], 3'd0} +: 8];
+  assign send_stb  = verdict[`MB_VERDICT_SEND];
+  assign quiet_stb = verdict[`MB_VERDICT_QUIET];
+  assign restart   = verdict[`MB_VERDICT_RESTART];
 
-  // The user: he sees the request, appends to the answer, and cannot go beyond the longest PDU.
+  // The ports of the register and the number of log entries look into the engine until the status port replaces them.
+`ifdef YOSYS
+  assign diagnostic_register_o = 16'd0;
+  assign log_count_o = 7'd0;
+`else
   generate
-    if (HAS_USER != 0) begin : gen_user
-      localparam [8:0] FULL = 9'd254;             // address, function code, 252 bytes
-      reg  excess_q;
-      wire full   = (count == FULL);
-      wire excess = excess_q | (user_put_i & full);
-      always @(posedge clk_i) excess_q <= do_offer & excess;
-      assign user_put  = do_offer & user_put_i & ~full;
-      assign user_fail = do_offer & (user_done_i ? ~user_pass_i & (user_exception_i != 4'd0 || excess) : stall);
-      assign user_code = (user_done_i && !excess) ? user_exception_i : `MB_EX_DEVICE_FAILURE;
-      assign user_done = user_done_i;
-      assign user_req_o = do_offer;
-      assign user_count_o = kept_count[7:0];
-      assign user_dat_o = frame_byte;
-      wire unused = kept_count[8];
-    end else begin : gen_no_user
-      wire unused = &{1'b0, user_put_i, user_done_i, user_exception_i, do_offer, kept_count};
-      assign user_put = 1'b0;
-      assign user_fail = 1'b0;
-      assign user_code = 4'd0;
-      assign user_done = 1'b0;
-      assign user_req_o = 1'b0;
-      assign user_count_o = 8'd0;
-      assign user_dat_o = 8'd0;
-    end
-  endgenerate
-
-  // Counters, log, modes
-  wire [15:0] counters_data;
-  wire [7:0]  texts_data;
-
-  generate
-    if (HAS_DIAGNOSTICS != 0) begin : gen_diagnostics
-      modbus_diagnostics u_diagnostics (
-        .clk_i(clk_i), .rst_i(rst_i), .count_i(diag_count), .which_i(argument[4:0]), .clear_i(diag_clear),
-        .log_i(diag_log), .event_i(diag_event), .now_i(diag_now), .applies_i(diag_applies), .listen_i(mode[1]), .active_i(mode[2]),
-        .empty_i(mode[3]), .clear_register_i(mode[4]), .no_overrun_i(mode[5]), .overrun_i(mode[6]),
-        .listen_only_o(listen_only_o), .register_o(diagnostic_register_o), .log_count_o(log_count_o),
-        .read_i(inner), .read_log_i(space[1]), .read_at_i(grant_first_o[5:0]), .data_o(counters_data),
-        .diagnostic_i(diagnostic_i[15:1]), .counter_stb_i(counter_stb_i), .counter_adr_i(counter_adr_i),
-        .counter_ack_o(counter_ack_o)
-      );
-    end else begin : gen_no_diagnostics
-      wire unused = &{1'b0, diagnostic_i, counter_adr_i, mode, diag_count, diag_clear, diag_log, diag_now, diag_applies, diag_event, inner};
-      reg ack_q = 1'b0;
-      always @(posedge clk_i) ack_q <= counter_stb_i & ~ack_q & ~rst_i;
-      assign listen_only_o = 1'b0;
+    if (HAS_DIAGNOSTICS) begin : gen_peek
+      assign diagnostic_register_o = u_engine.gen_diagnostics.u_diagnostics.register_q;
+      assign log_count_o = u_engine.gen_diagnostics.u_diagnostics.entries_q;
+    end else begin : gen_no_peek
       assign diagnostic_register_o = 16'd0;
       assign log_count_o = 7'd0;
-      assign counters_data = 16'd0;
-      assign counter_ack_o = ack_q;
-    end
-    if (HAS_IDENTITY != 0) begin : gen_identity
-      modbus_identity #(
-        .HAS_OBJECTS(FUNCTION_CODES[43]), .SERVER_ID(SERVER_ID), .SERVER_ID_BYTES(SERVER_ID_BYTES),
-        .ADDITIONAL_DATA(ADDITIONAL_DATA), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES),
-        .VENDOR_NAME(VENDOR_NAME), .PRODUCT_CODE(PRODUCT_CODE), .REVISION(REVISION), .VENDOR_URL(VENDOR_URL),
-        .PRODUCT_NAME(PRODUCT_NAME), .MODEL_NAME(MODEL_NAME), .USER_APPLICATION_NAME(USER_APPLICATION_NAME),
-        .PRIVATE_OBJECTS(PRIVATE_OBJECTS), .CONFORMITY(CONFORMITY), .DEVICE_ID_LIMIT(DEVICE_ID_LIMIT)
-      ) u_identity (.clk_i(clk_i), .at_i(grant_first_o[10:0]), .data_o(texts_data));
-    end else begin : gen_no_identity
-      assign texts_data = 8'd0;
     end
   endgenerate
+`endif
 
   wire unused_bit = diagnostic_i[0];                  // the overrun flag is the core's own
 
-  assign counter_dat_o = counters_data;
-  assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : counters_data;
-
-  assign grant_space_o = space;
-  assign write_space_o = space;
+  assign write_space_o = grant_space_o;
   assign write_first_o = grant_first_o;
   assign write_last_o  = grant_last_o;
   assign write_file_o  = grant_file_o;
@@ -381,7 +268,7 @@ module modbus_rtu_core #(
 
   // A stall limit of 0 is no limit.
   modbus_wait u_wait (
-    .clk_i(clk_i), .bit_stb_i(bit_stb), .clear_i(tx_waits ? tx_wait_clear : ~(waiting | user_req_o)),
+    .clk_i(clk_i), .bit_stb_i(bit_stb), .clear_i(tx_waits ? tx_wait_clear : ~waiting),
     .limit_i(tx_waits ? {4'd0, tx_wait_limit} : stall_limit_i), .over_o(wait_over)
   );
 

@@ -1,52 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_routines_frame - what is done with every frame; part of the listing in modbus_program.
-
-
-// One row a function code: its routine, and whether a broadcast may go there
-`TABLE(FUNCTION_TABLE)
-`FUNCTION_CODE(`MB_FC_READ_COILS,               GO_IF_UNICAST(READ_COILS))
-`FUNCTION_CODE(`MB_FC_READ_DISCRETE_INPUTS,     GO_IF_UNICAST(READ_DISCRETES))
-`FUNCTION_CODE(`MB_FC_READ_HOLDING_REGISTERS,   GO_IF_UNICAST(READ_HOLDINGS))
-`FUNCTION_CODE(`MB_FC_READ_INPUT_REGISTERS,     GO_IF_UNICAST(READ_INPUTS))
-`FUNCTION_CODE(`MB_FC_WRITE_SINGLE_COIL,        GO(WRITE_COIL))
-`FUNCTION_CODE(`MB_FC_WRITE_SINGLE_REGISTER,    GO(WRITE_REGISTER))
-`FUNCTION_CODE(`MB_FC_READ_EXCEPTION_STATUS,    GO_IF_UNICAST(EXCEPTION_STATUS))
-`FUNCTION_CODE(`MB_FC_DIAGNOSTICS,              GO_IF_UNICAST(DIAGNOSTICS))
-`FUNCTION_CODE(`MB_FC_GET_EVENT_COUNTER,        GO_IF_UNICAST(EVENT_COUNTER))
-`FUNCTION_CODE(`MB_FC_GET_EVENT_LOG,            GO_IF_UNICAST(EVENT_LOG))
-`FUNCTION_CODE(`MB_FC_WRITE_MULTIPLE_COILS,     GO(WRITE_COILS))
-`FUNCTION_CODE(`MB_FC_WRITE_MULTIPLE_REGISTERS, GO(WRITE_REGISTERS))
-`FUNCTION_CODE(`MB_FC_REPORT_SERVER_ID,         GO_IF_UNICAST(SERVER_ID_ANSWER))
-`FUNCTION_CODE(`MB_FC_READ_FILE_RECORD,         GO_IF_UNICAST(READ_FILES))
-`FUNCTION_CODE(`MB_FC_WRITE_FILE_RECORD,        GO_IF_UNICAST(WRITE_FILES))
-`FUNCTION_CODE(`MB_FC_MASK_WRITE_REGISTER,      GO_IF_UNICAST(MASK_WRITE))
-`FUNCTION_CODE(`MB_FC_READ_WRITE_REGISTERS,     GO_IF_UNICAST(READ_WRITE))
-`FUNCTION_CODE(`MB_FC_READ_FIFO_QUEUE,          GO_IF_UNICAST(READ_FIFO))
-`FUNCTION_CODE(`MB_FC_ENCAPSULATED,             GO_IF_UNICAST(DEVICE_ID))
-`END_TABLE
-
-// The sub-functions of 08H
-if (FUNCTION_CODES[8]) begin
-`TABLE(SUB_TABLE)
-`SUB_FUNCTION('h00, GO(SUB_ECHO))
-`SUB_FUNCTION('h01, GO(SUB_RESTART))
-`SUB_FUNCTION('h02, GO(SUB_REGISTER))
-`SUB_FUNCTION('h03, GO(SUB_DELIMITER))
-`SUB_FUNCTION('h04, GO(SUB_LISTEN))
-`SUB_FUNCTION('h0A, GO(SUB_CLEAR))
-`SUB_FUNCTION('h0B, GO(SUB_COUNTER))
-`SUB_FUNCTION('h0C, GO(SUB_COUNTER))
-`SUB_FUNCTION('h0D, GO(SUB_COUNTER))
-`SUB_FUNCTION('h0E, GO(SUB_COUNTER))
-`SUB_FUNCTION('h0F, GO(SUB_COUNTER))
-`SUB_FUNCTION('h10, GO(SUB_COUNTER))
-`SUB_FUNCTION('h11, GO(SUB_COUNTER))
-`SUB_FUNCTION('h12, GO(SUB_COUNTER))
-`SUB_FUNCTION('h14, GO(SUB_OVERRUN))
-`END_TABLE
-end
+// modbus_routines_frame - what is done with every frame; part of the listing of modbus_program.
 
 // A good frame for us, the cursor at its first byte.  The two check bytes leave the count, then the address.
 `ROUTINE(START, 1'b1)
@@ -65,94 +20,57 @@ end
   end
   if (HAS_DIAGNOSTICS != 0) begin
     `DO(COUNT(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS))
-    `DO(LOG(8'h80, `MB_FLAG_BROADCAST))
+    `DO(LOG_RECEIVED(EVENT_RECEIVED))
     `DO(IF_LISTENING(LISTENING))
   end
   if (HAS_USER != 0) begin
-    // The user's answer begins like the request; if he passes, all is as before.
-    `DO(IF_NOT_USER(OURS))
+    // The user's answer begins like the request; if the user passes, all is as before.
+    `DO(IF_NOT_USER(BUILT_IN))
     `DO(POINT_CLEAR(UPPER))
     `DO(LOAD(AT_FRAME))
     `DO(PUT(UPPER))
     `DO(LOAD(AT_FUNCTION))
     `DO(PUT(UPPER + AT_FUNCTION))
-    `DO(OFFER(USER_SEND))
+    `DO(OFFER(SEND_UPPER))
     `DO(RECALL)
     `DO(WALK(AT_FUNCTION))
-    `LABEL(OURS)
+    `LABEL(BUILT_IN)
   end
-  `DO(DISPATCH_WIDE(FUNCTION_TABLE))
-`END_ROUTINE
-
-// Function code with bit 7 set, exception code (V1.1b3, clause 7); nothing in listen-only mode
-`ROUTINE(EXCEPTION, 1'b1)
-  if (HAS_DIAGNOSTICS != 0) begin
-    `DO(IF_LISTENING(DONE))
-  end
-  `DO(POINT_CLEAR(AT_FRAME))
-  `DO(WALK_UP(AT_FUNCTION))
-  `DO(LOAD_MARKED(AT_FUNCTION))
-  `DO(PUT(AT_FUNCTION))
-  `DO(STATUS(`MB_STATUS_CODE))
-  `DO(PUT(AT_CODE))
-  `FALL_INTO(SENDING)
-`END_ROUTINE
-
-// The answer stands in the lower half.
-`ROUTINE(SENDING, 1'b1)
-  `DO(SEND(AT_FRAME))
-  if (HAS_DIAGNOSTICS != 0) begin
-    `FALL_INTO(TAIL)
-  end else begin
-    `FALL_INTO(DONE)
-  end
-`END_ROUTINE
-
-// What has become of the frame (V1.02, appendix A; steps 7 to 11 of the order of counting)
-`ROUTINE(TAIL, HAS_DIAGNOSTICS != 0)
-  `DO(COUNT(`MB_CPT_EVENT, `MB_WHEN_SUCCESS))
-  `LABEL(TAIL_NO_EVENT)
-  `DO(COUNT(`MB_CPT_EXCEPTION, `MB_WHEN_EXCEPTION))
-  `DO(COUNT(`MB_CPT_BUSY, `MB_WHEN_BUSY))
-  `DO(COUNT(`MB_CPT_NAK, `MB_WHEN_NAK))
-  `DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_BROADCAST))
-  `DO(SENT_EVENT)
-  `FALL_INTO(DONE)
-`END_ROUTINE
-
-`ROUTINE(DONE, 1'b1)
-  `DO(REST)
-`END_ROUTINE
-
-// The first six bytes of the request are the answer.
-`ROUTINE(ECHO, 1'b1)
-  `DO(POINT_CLEAR(AT_FRAME))
-  `DO(WALK_UP(AT_VALUE_END))
-  `DO(GO(SENDING))
-`END_ROUTINE
-
-// The data stand at AT_READ_DATA and count is their number: put it before them.
-`ROUTINE(ANSWER, 1'b1)
-  `DO(STATUS(`MB_STATUS_COUNT))
-  `DO(PUT(AT_BYTE_COUNT))
-  `DO(POINT(AT_FRAME))
-  `DO(WALK_UP(AT_BYTE_COUNT))
-  `DO(GO(SENDING))
+  `DO(DISPATCH(FUNCTION_TABLE))
 `END_ROUTINE
 
 // A bad frame: runs while the next one may already begin, so it leaves the frame RAM alone.
 `ROUTINE(BAD, HAS_DIAGNOSTICS != 0)
   `DO(COUNT(`MB_CPT_OVERRUN, `MB_WHEN_LONG))
-  `DO(MODE(`MB_MODE_LONG))
+  `DO(MODE(TOO_LONG))
   `DO(COUNT(`MB_CPT_COMM_ERROR, `MB_WHEN_ALWAYS))
-  `DO(LOG(8'h82, `MB_FLAG_LONG))
+  `DO(LOG_BAD(EVENT_BAD))
   `DO(REST)
 `END_ROUTINE
 
-// A good frame for somebody else: likewise
+// A good frame for another slave: likewise
 `ROUTINE(FOREIGN, HAS_DIAGNOSTICS != 0)
   `DO(COUNT(`MB_CPT_BUS_MESSAGE, `MB_WHEN_ALWAYS))
   `DO(REST)
+`END_ROUTINE
+
+// Listen-only: only a restart for us alone is obeyed (V1.1b3, clause 6.8.1, 04); it is never answered.
+`ROUTINE(LISTENING, HAS_DIAGNOSTICS != 0)
+  `DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_ALWAYS))
+  `DO(LOG_SENT(EVENT_SENT))
+  `DO(GO_IF_UNICAST(`NEXT))
+  `DO(MATCH(8'h08, `MB_EX_ILLEGAL_FUNCTION))
+  `DO(MATCH(8'h00, `MB_EX_ILLEGAL_FUNCTION))
+  `DO(MATCH(8'h01, `MB_EX_ILLEGAL_FUNCTION))
+  `DO(COIL)
+  `FALL_INTO(RESTART)
+`END_ROUTINE
+
+// The held byte is the high one of the option: FFH empties the log.
+`ROUTINE(RESTART, HAS_DIAGNOSTICS != 0)
+  `DO(MODE(WAIT | ACTIVE | EMPTY | LINE))
+  `DO(LOG(EVENT_RESTART))
+  `FALL_INTO(CLEARING)
 `END_ROUTINE
 
 // All counters to 0
@@ -167,34 +85,4 @@ end
   `DO(CLEAR(`MB_CPT_BUSY))
   `DO(CLEAR(`MB_CPT_OVERRUN))
   `DO(REST)
-`END_ROUTINE
-
-// Listen-only: only a restart for us alone is obeyed (V1.1b3, clause 6.8.1, 04); it is never answered.
-`ROUTINE(LISTENING, HAS_DIAGNOSTICS != 0)
-  `DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_ALWAYS))
-  `DO(SENT_EVENT)
-  `DO(GO_IF_UNICAST(`NEXT))
-  `DO(MATCH(8'h08, `MB_EX_ILLEGAL_FUNCTION))
-  `DO(MATCH(8'h00, `MB_EX_ILLEGAL_FUNCTION))
-  `DO(MATCH(8'h01, `MB_EX_ILLEGAL_FUNCTION))
-  `DO(COIL)
-  `DO(END)
-  `DO(GO(RESTART))
-`END_ROUTINE
-
-// The held byte is the high one of the option: FFH empties the log.
-`ROUTINE(RESTART, HAS_DIAGNOSTICS != 0)
-  `DO(MODE(`MB_MODE_WAIT | `MB_MODE_ACTIVE | `MB_MODE_EMPTY | `MB_MODE_LINE))
-  `DO(LOG(8'h00, 11'd0))
-  `DO(GO(CLEARING))
-`END_ROUTINE
-
-// The answer that the user has put together
-`ROUTINE(USER_SEND, HAS_USER != 0)
-  `DO(SEND(UPPER))
-  if (HAS_DIAGNOSTICS != 0) begin
-    `DO(GO(TAIL))
-  end else begin
-    `DO(GO(DONE))
-  end
 `END_ROUTINE
