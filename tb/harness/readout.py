@@ -89,7 +89,7 @@ class Readout:
     @property
     def _memory(self):
         core = self.dut.u_core if hasattr(self.dut, "u_core") else self.dut
-        return core.gen_diagnostics.u_diagnostics.memory
+        return core.u_engine.gen_diagnostics.u_diagnostics.memory
 
     async def load_counters(self, **counts):
         """Give counters these values, in the device's memory and in the model; the line must be at rest."""
