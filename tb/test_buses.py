@@ -10,7 +10,7 @@ import pytest
 from harness.build import NO_FLOORS, REFERENCE
 from harness.runner import ROOT, expanded, run, source_of
 
-MASTER, SLAVE = "bus_master_bench", "axil_slave_bench"
+MASTER, SLAVE, MAPPING = "bus_master_bench", "axil_slave_bench", "host_map_bench"
 MAPPED = {**NO_FLOORS, **REFERENCE}
 # Places that no table begins at: nothing of an address is a constant.
 SCATTERED = {
@@ -36,6 +36,10 @@ SUITES = {
     "wishbone_master": (MASTER, {**MAPPED, "AXIL": 0}, "master", None),
     "axil_slave": (SLAVE, MAPPED, "slave", None),
     "wishbone_host": ("slave_bench", MAPPED, "slave", None),
+    "host_map_axil": (MAPPING, {**MAPPED, "AXIL": 1}, "host_map", None),
+    "host_map_wishbone": (MAPPING, {**MAPPED, "AXIL": 0}, "host_map", None),
+    "host_map_reads_only": (MAPPING, {**MAPPED, "AXIL": 0, "HOST_SETTINGS": 0}, "host_map", "item|counters"),
+    "host_map_left_out": (MAPPING, {**MAPPED, "AXIL": 1, "HOST_MAP": 0}, "host_map", "left_out"),
     "soc_axil": ("modbus_example_soc_axil", NO_FLOORS, "soc", None),
     "soc_axil_largest": ("modbus_example_soc_axil", {**NO_FLOORS, "WORDS": 65536}, "soc", "half_a_write"),
     "soc_wishbone": ("modbus_example_soc_wb", NO_FLOORS, "soc", None),
