@@ -63,7 +63,8 @@ def test_parameters_are_those_of_the_rtl():
     """Names and defaults on the page; what stands there as one row is what other banks have too."""
     for module in ("modbus_axil_master", "modbus_axil_slave"):
         text = expanded(source_of(module))
-        head = text[: text.index(") (")]
+        head = text[text.index(f"\nmodule {module} ") :]
+        head = head[: head.index(") (")]
         declared = dict(re.findall(r"parameter\s+(?:integer|\[31:0\])\s+(\w+)\s*=\s*([\w']+)", head))
         page = PAGE.read_text(encoding="utf-8")
         table = page[page.index(f"\n`{module}`:") :].split("\n\n")[1]

@@ -147,21 +147,21 @@ module modbus_bank_guard #(
       wire        bits  = (space_i[2:1] == 2'b00);
       wire [15:0] first = bits ? {4'd0, first_i[15:4]} : first_i;
       wire [15:0] last  = bits ? {4'd0, last_i[15:4]}  : last_i;
-      wire        before, behind;    // the range ends before, or begins behind, the read-only one
+      wire        below, above;      // the range ends below, or begins above, the read-only one
       if (READ_ONLY_BASE == 0) begin : gen_from_the_first
         wire unused = &{1'b0, last};
-        assign before = 1'b0;
+        assign below = 1'b0;
       end else begin : gen_from
-        assign before = last < READ_ONLY_BASE[15:0];
+        assign below = last < READ_ONLY_BASE[15:0];
       end
       if (RO_LAST == 65535) begin : gen_to_the_last
         wire unused = &{1'b0, first};
-        assign behind = 1'b0;
+        assign above = 1'b0;
       end else begin : gen_to
-        assign behind = first > RO_LAST[15:0];
+        assign above = first > RO_LAST[15:0];
       end
       assign locked = write_lock_i |
-                      (~before & ~behind & (space_i != `MB_SPACE_FILES) & (OVERLAY != 0 || !bits));
+                      (~below & ~above & (space_i != `MB_SPACE_FILES) & (OVERLAY != 0 || !bits));
     end
   endgenerate
 
