@@ -17,6 +17,7 @@
 
 module modbus_rtu_slave_io #(
 `include "modbus_settings.vh"
+  ,
 `include "modbus_tables.vh"
   ,
 `include "modbus_table_widths.vh"

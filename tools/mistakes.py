@@ -220,7 +220,9 @@ MISTAKES = [
         "host_cyc_i & (host_q | ~wb_cyc_i) & ~lend",
         "host_cyc_i & ~lend",
     ),
-    Mistake("refusal_waits_for_the_host", "modbus_bank_ram.v", "wire        lend = host_q &", "wire        lend = 1'b0 &"),
+    Mistake(
+        "refusal_waits_for_the_host", "modbus_bank_ram.v", "wire        lend = host_q &", "wire        lend = 1'b0 &"
+    ),
     Mistake("grant_does_not_wait_for_the_host", "modbus_bank_ram.v", ".wait_i(lent_q)", ".wait_i(1'b0)"),
     Mistake("host_loses_its_block_to_a_question", "modbus_bank_ram.v", "(ack | ~host_stb_i)", "(ready_q | host_stb_i)"),
     Mistake("write_pulse_for_reads_too", "modbus_dispatch.v", "is_range & fourth & argument[2];", "is_range & fourth;"),

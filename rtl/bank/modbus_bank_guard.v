@@ -147,7 +147,7 @@ module modbus_bank_guard #(
       wire        bits  = (space_i[2:1] == 2'b00);
       wire [15:0] first = bits ? {4'd0, first_i[15:4]} : first_i;
       wire [15:0] last  = bits ? {4'd0, last_i[15:4]}  : last_i;
-      wire        below, above;      // the range ends below, or begins above, the read-only one
+      wire        below, above;    // the range lies below or above the read-only one
       if (READ_ONLY_BASE == 0) begin : gen_from_the_first
         wire unused = &{1'b0, last};
         assign below = 1'b0;

@@ -20,7 +20,8 @@ from protocol.defs import (
     Sub,
 )
 
-INNER = ("u_slave", "u_bench", "u_core", "u_engine")  # instances on the way from a bench to the counters
+# Instances on the way from a bench to the counters, the inner ones first: Icarus finds a name in outer scopes too
+INNER = ("u_engine", "u_core", "u_bench", "u_slave")
 PORT_PATIENCE_US = 1_000
 LAST_ACTION_CLOCKS = 64  # a clear or a restart comes after its answer
 
