@@ -79,9 +79,9 @@ def test_map_is_one_map():
     """Page, header, test bench and the RTL's defaults."""
     page, header = PAGE.read_text(encoding="utf-8"), HEADER.read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([^|,]+?)(?:,[^|]*)? \| (\d) \| ([0-9A-F]{6})H(?: \+ 4n)? \| ?(?:`(\w+)`)?", page, re.M)
-    assert [int(space) for _, space, *_ in rows] == [*range(5), 7], rows
+    assert [int(space) for _, space, *_ in rows] == [*range(6), 7], rows
     rtl = source_of("modbus_axil_master").read_text(encoding="utf-8")
-    macros = ("COILS", "DISCRETES", "INPUTS", "HOLDINGS", "FILES", "HOLD")
+    macros = ("COILS", "DISCRETES", "INPUTS", "HOLDINGS", "FILES", "CORE", "HOLD")
     for (_, space, offset, parameter), macro in zip(rows, macros, strict=True):
         place = int(offset, 16)
         assert place == int(space) * WINDOW
@@ -105,9 +105,11 @@ def test_header_compiles_and_reaches_the_words(tmp_path):
             MODBUS_COIL(1) = 1; MODBUS_DISCRETE(2) = 2; MODBUS_INPUT(3) = 3; MODBUS_HOLDING(65535) = 4;
             MODBUS_RECORD(3, 7, 256) = 5;
             modbus_write32(MODBUS_INPUTS, 8, 0x12345678);
+            MODBUS_BIT_TIME = 434; MODBUS_STATUS(0x0A) = 9;
             return !(words[1] == 1 && words[0x10002] == 2 && words[0x20003] == 3 && words[0x3FFFF] == 4
                      && words[0x40000 + 519] == 5 && words[0x20008] == 0x1234 && words[0x20009] == 0x5678
-                     && words[0x70000] == 0 && modbus_read32(MODBUS_INPUTS, 8) == 0x12345678);
+                     && words[0x70000] == 0
+                     && words[0x50081] == 434 && words[0x5000A] == 9 && modbus_read32(MODBUS_INPUTS, 8) == 0x12345678);
         }
         """,
         encoding="utf-8",

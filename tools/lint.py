@@ -283,8 +283,9 @@ def main() -> int:
         return 2
     modules = chosen or there
     seed = int(os.environ.get("SEED") or random.SystemRandom().randrange(1 << 30))
-    jobs = verilog_jobs(modules, seed, os.environ.get("FULL") == "1") + ([] if chosen else example_jobs() + board_jobs())
-    print(f"linting {len(modules)} modules, {len(jobs)} runs, random parameters by SEED={seed}", flush=True)
+    jobs = verilog_jobs(modules, seed, os.environ.get("FULL") == "1")
+    jobs += [] if chosen else example_jobs() + board_jobs()
+    print(f"linting {len(modules)} modules, {len(jobs)} runs, random parameters: SEED={seed}", flush=True)
     seen: dict[str, str] = {}
     with ThreadPoolExecutor(2) as pool:
         for job, found in zip(jobs, pool.map(messages_of, jobs)):

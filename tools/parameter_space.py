@@ -151,7 +151,7 @@ def meter(rng: Random, large: bool) -> dict[str, object]:
 IO_TABLES = tables(files=False, overlay=False, most=1500)
 SPACE: dict[str, list[Group]] = {
     "modbus_rtu_core": [clock, codes, LIMITS],
-    "modbus_rtu_slave": [settings, codes, LIMITS, tables()],
+    "modbus_rtu_slave": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1)), settings, codes, LIMITS, tables()],
     "modbus_rtu_slave_io": [settings, codes, LIMITS, IO_TABLES],
     "modbus_bank_guard": [tables()],
     "modbus_bank_ram": [tables()],
@@ -178,6 +178,7 @@ def draw(module: str, rng: Random, large: bool = False) -> dict[str, str]:
 
 def memory(parameters: dict[str, str]) -> int:
     """Roughly the items that a set asks for: who unrolls them all may want to leave it out."""
-    counts = [int(v) for k, v in parameters.items() if k.endswith("_COUNT") and k not in ("READ_ONLY_COUNT", "FILE_COUNT")]
+    others = ("READ_ONLY_COUNT", "FILE_COUNT")
+    counts = [int(v) for k, v in parameters.items() if k.endswith("_COUNT") and k not in others]
     files = int(parameters.get("FILE_COUNT", 0)) * int(parameters.get("FILE_RECORDS", 256))
     return sum(counts) + files + 2 * int(parameters.get("WORDS", 0))
