@@ -774,6 +774,11 @@ MISTAKES = [
         "else if (!burst) begin",
         "else begin",
     ),
+    Mistake("map_forgets_an_option", "modbus_host_map.v", "<= host_dat_i[3:0];", "<= {1'b0, host_dat_i[2:0]};"),
+    Mistake("map_takes_any_write", "modbus_host_map.v", "(HOST_SETTINGS != 0) & settings_exist &", "settings_exist &"),
+    Mistake("map_counter_that_is_not_there", "modbus_host_map.v", "number <= 7'h12", "number <= 7'h13"),
+    Mistake("map_lets_the_memory_go", "modbus_host_map.v", "bank_cyc_o = host_cyc_i;", "bank_cyc_o = bank_stb_o;"),
+    Mistake("map_left_out_is_there", "modbus_host_map.v", "(HOST_MAP != 0) & (host_adr_i", "(host_adr_i"),
     Mistake(
         "soc_axil_write_begins_without_its_data",
         "modbus_example_soc_axil.v",
@@ -823,6 +828,9 @@ BUSES = {
     "axil_master": ("modbus_axil_master.v",),
     "axil_slave": ("modbus_axil_slave.v",),
     "soc_axil": ("modbus_axil_master.v", "modbus_example_soc_axil.v"),
+    "host_map_wishbone": ("modbus_host_map.v",),
+    "host_map_reads_only": ("modbus_host_map.v",),
+    "host_map_left_out": ("modbus_host_map.v",),
     "soc_wishbone": ("modbus_example_soc_wb.v",),
 }
 SELECTION = [
