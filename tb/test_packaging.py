@@ -22,7 +22,7 @@ VIVADO = "constraints/vivado/package_ip.tcl"
 QUARTUS = "constraints/quartus/modbus_rtu_slave.qip"
 CORE = "modbus_rtu_slave.core"
 IPS = ("modbus_rtu_slave", "modbus_axil_slave")
-CONNECTED = {"clk_i", "rst_i", "rxd_i", "address_i", "bit_time_i"}  # inputs without an idle value
+CONNECTED = {"clk_i", "rst_i", "rxd_i"}  # inputs without an idle value
 INCLUDES = ("rtl/include", "rtl/engine")
 BOARDS = ("icebreaker", "hx8k", "ulx3s", "tangnano9k", "arty_a7", "de10_lite")
 
@@ -318,7 +318,7 @@ MISTAKES = {
     "an unknown option": ("-root_dir", "-rootdir", "unknown option"),
     "an unknown property": ("set_property tooltip", "set_property tip", "no tip of"),
     "a parameter that is not there": ("  MAX_READ_BITS ", "  MAX_READ_BIT ", "no parameter MAX_READ_BIT"),
-    "a port that is not there": ("busy_i 0", "busi_i 0", "no port busi_i"),
+    "a port that is not there": ("host_we_i 0", "host_ve_i 0", "no port host_ve_i"),
     "a property before packaging": ("ipx::package_project", "#", "nothing is packaged"),
     "a project left open": ("close_project\n", "", "a project is open"),
     "a variable that is not set": ("$out $vendor", "$out $seller", 'can\'t read "seller"'),

@@ -2,13 +2,15 @@
 # Copyright (c) 2026 the project contributors
 """Illegal parameters stop elaboration; docs/parameters.md says what the RTL has."""
 
+import functools
 import re
 import shutil
 import subprocess
+import tempfile
 
 import pytest
 from harness.build import config_parameters, for_simulator, function_mask, text_value
-from harness.runner import ROOT, expanded, source_of, sources
+from harness.runner import ROOT, source_of, sources
 from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
@@ -173,20 +175,71 @@ def test_illegal_parameters_stop_elaboration(tool, case):
 # ------------------------------------------------------------------ the document
 
 
+def preprocessed(text):
+    """What Verilog text is to a compiler: includes and macros expanded, comments gone."""
+    if not shutil.which("iverilog"):
+        pytest.skip("Icarus Verilog (iverilog), which expands includes and macros, is not installed")
+    with tempfile.NamedTemporaryFile("w", suffix=".v") as source:
+        source.write(text)
+        source.flush()
+        command = ["iverilog", "-E", "-g2005", "-o", "/dev/stdout", *(f"-I{folder}" for folder in sources()[1])]
+        done = subprocess.run([*command, source.name], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return re.sub(r"//.*", "", done.stdout)
+
+
+@functools.cache
+def macros():
+    """{name: text} of the macros of modbus_defs.vh that take no argument, expanded."""
+    text = source_of("modbus_defs.vh").read_text(encoding="utf-8")
+    names = re.findall(r"^`define (MB_\w+)(?=\s)", text, re.M)
+    asked = "".join(f"@{name}@`{name}@\n" for name in names)
+    found = re.findall(r"@(\w+)@([^@]*)@", preprocessed(f'`include "modbus_defs.vh"\n{asked}'))
+    assert [name for name, _ in found] == names
+    return {name: value.strip() for name, value in found}
+
+
+def enclosed(text):
+    """(what the first pair of parentheses of `text` encloses, what follows it)."""
+    start, depth = text.index("("), 0
+    for place in range(start, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[place], 0)
+        if not depth:
+            return text[start + 1 : place], text[place + 1 :]
+    raise ValueError(f"a parenthesis is not closed: {text[start : start + 40]}")
+
+
+def items(text):
+    """The parts of a list that commas outside of all brackets separate."""
+    out, depth = [""], 0
+    for char in text:
+        depth += {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}.get(char, 0)
+        if char == "," and not depth:
+            out.append("")
+        else:
+            out[-1] += char
+    return [part.strip() for part in out if part.strip()]
+
+
+@functools.cache
 def header(top):
-    """(parameters {name: default text}, ports {name: (direction, width text)}) of a module."""
-    text = expanded(source_of(top))
-    text = re.sub(r"//.*", "", text)
+    """(parameters {name: default text}, ports {name: (direction, width text)}) of a module, includes expanded."""
+    text = preprocessed(source_of(top).read_text(encoding="utf-8"))
     text = text[re.search(rf"\bmodule\s+{top}\b", text).end() :]
-    head = text[: text.index(");")]
-    parameters = dict(
-        re.findall(r"\bparameter\s+(?:integer\s+|\[[^\]]*\]\s*)?(\w+)\s*=\s*([^,\n)]+(?:\([^)]*\)[^,\n)]*)*)", head)
-    )
-    ports = {
-        port: (direction, width or "1")
-        for direction, width, port in re.findall(r"\b(input|output)\s+(?:wire|reg)\s+(?:\[([^\]]+)\]\s*)?(\w+)", head)
-    }
-    return {k: v.strip() for k, v in parameters.items()}, ports
+    parameters, head = {}, text.lstrip()
+    if head.startswith("#"):
+        inside, head = enclosed(head)
+        for item in items(inside):
+            name, default = item.split("=", 1)
+            parameters[name.split()[-1]] = " ".join(default.split())
+    ports = {}
+    for item in items(enclosed(head)[0]):
+        direction, width, port = re.fullmatch(
+            r"(input|output)\s+(?:wire|reg)\s*(?:\[([^\]]+)\])?\s*(\w+)", item
+        ).groups()
+        left, _, right = (width or "").partition(":")
+        ports[port] = (direction, f"{number(left)}:{right}" if re.fullmatch(r"[\d\s+-]+", left) else width or "1")
+    return parameters, ports
 
 
 def rows():
@@ -205,8 +258,8 @@ def rows():
 
 
 def documented(kind):
-    """{name: {column: cell}} of the parameter or port tables."""
-    first = {"parameter": "Name", "port": "Port"}[kind]
+    """{name: {column: cell}} of the parameter, port or field tables."""
+    first = {"parameter": "Name", "port": "Port", "field": "Field"}[kind]
     return {cells[0]: dict(zip(columns, cells)) for columns, cells in rows() if columns[0] == first}
 
 
@@ -226,13 +279,16 @@ def test_every_port_is_documented():
 
 
 def number(text):
-    """Value of a Verilog or plain number, or a text in quotes."""
+    """Value of a constant expression of Verilog, of a macro of modbus_defs.vh by its name, or a text in quotes."""
     text = text.strip().strip("`")
     if text.startswith('"'):
         return text
-    text = text.replace("_", "").replace(" ", "")
-    based = re.fullmatch(r"\d*'([hHdD])([0-9a-fA-F]+)", text)
-    return int(based[2], 16 if based[1] in "hH" else 10) if based else int(text, 0)
+    text = macros().get(text, text) if text.startswith("MB_") else text
+    text = re.sub(
+        r"\d*'([hHdD])([0-9a-fA-F_]+)", lambda m: str(int(m[2].replace("_", ""), 16 if m[1] in "hH" else 10)), text
+    )
+    assert re.fullmatch(r"[\d\s()|&<>+*-]+", text), f"no constant: {text}"
+    return eval(text)  # digits and operators alone
 
 
 @pytest.mark.parametrize("top", TOPS)
@@ -259,3 +315,31 @@ def test_directions_and_widths_are_as_documented(top):
             assert int(row["Width"]) == int(bits[1]) + 1, f"{port} is [{width}], document {row['Width']}"
         if width == "1":
             assert row["Width"] == "1", f"{port}: document {row['Width']}"
+
+
+FIELD = re.compile(r"MB_(SET|HOST|EVENT|USER)_\w+")
+NO_FIELDS = re.compile(r"\w+_WIDTH|MB_HOST_AT_REST")
+
+
+def test_fields_are_as_documented():
+    """Each field of the vectors at the core's ports, with its bits."""
+    wanted = {name: bits for name, bits in macros().items() if FIELD.fullmatch(name) and not NO_FIELDS.fullmatch(name)}
+    assert len(wanted) > 20, "the fields were not found"
+    assert {name: row["Bits"] for name, row in documented("field").items()} == wanted
+
+
+def test_fields_fill_their_vectors():
+    """Without a hole and without an overlap."""
+    widths = {
+        "SET": "MB_SETTINGS_WIDTH",
+        "HOST": "MB_HOST_STATE_WIDTH",
+        "EVENT": "MB_EVENTS_WIDTH",
+        "USER": "MB_USER_REPLY_WIDTH",
+    }
+    for kind, width in widths.items():
+        bits = []
+        for name, row in documented("field").items():
+            if name.startswith(f"MB_{kind}_"):
+                high, _, low = row["Bits"].partition(":")
+                bits += range(int(low or high), int(high) + 1)
+        assert sorted(bits) == list(range(number(width))), kind
