@@ -153,7 +153,7 @@ def example_jobs() -> list[Job]:
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_text(text)
             label = f"{path.name} {module}"
-            common = [*include_options(), *rtl_files(), str(copy)]
+            common = [*include_options(), *all_files(), str(copy)]
             jobs.append(Job(f"iverilog {label}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *common]))
             # An example leaves outputs open and bits of vectors unused on purpose.
             quiet = ["-Wno-PINCONNECTEMPTY", "-Wno-UNUSED"]
