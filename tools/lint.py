@@ -147,7 +147,8 @@ def example_jobs() -> list[Job]:
     for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         if not path.exists():
             continue
-        blocks = re.findall(r"^```verilog\n((?:(?:`|//)[^\n]*\n|\n)*module (\w+).*?)^```", path.read_text(), re.M | re.S)
+        pattern = r"^```verilog\n((?:(?:`|//)[^\n]*\n|\n)*module (\w+).*?)^```"
+        blocks = re.findall(pattern, path.read_text(), re.M | re.S)
         for text, module in blocks:
             copy = ROOT / f"build/lint/{module}.v"
             copy.parent.mkdir(parents=True, exist_ok=True)

@@ -61,6 +61,8 @@ set parameters(modbus_rtu_slave) {
   HOLDING_COUNT         0    65536      "Number of holding registers; 0: no such table"
   READ_ONLY_BASE        0    65535      "First holding register that the line must not write"
   READ_ONLY_COUNT       0    65536      "How many holding registers the line must not write"
+  HOST_MAP              0    1          "1: counters, event log and settings are space 5 of the host port"
+  HOST_SETTINGS         0    1          "1: the host changes the settings at run time"
   FILE_COUNT            0    65535      "Files of function codes 14 and 15; 0: none"
   FILE_RECORDS          1    10000      "Records of each file, 16 bits a record"
   OVERLAY               0    1          "1: one block of holding registers, also seen as bits and input registers"

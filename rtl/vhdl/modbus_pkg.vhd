@@ -63,6 +63,7 @@ package modbus_pkg is
   constant MB_SPACE_INPUTS    : std_logic_vector(2 downto 0) := "010";
   constant MB_SPACE_HOLDINGS  : std_logic_vector(2 downto 0) := "011";
   constant MB_SPACE_FILES     : std_logic_vector(2 downto 0) := "100";
+  constant MB_SPACE_CORE      : std_logic_vector(2 downto 0) := "101";  -- on the host port
 
   constant MB_FORMAT_8E1 : std_logic_vector(1 downto 0) := "00";
   constant MB_FORMAT_8O1 : std_logic_vector(1 downto 0) := "01";
@@ -159,6 +160,9 @@ package modbus_pkg is
       HOLDING_COUNT         : natural                          := 8;
       READ_ONLY_BASE        : natural                          := 0;
       READ_ONLY_COUNT       : natural                          := 0;
+      FILE_COUNT            : natural                          := 0;
+      FILE_RECORDS          : natural                          := 256;
+      OVERLAY               : natural                          := 0;
       CLK_HZ                : natural                          := 50000000;
       T15_MIN_US            : natural                          := 750;
       T35_MIN_US            : natural                          := 1750;
@@ -205,6 +209,8 @@ package modbus_pkg is
 
   component modbus_rtu_slave is
     generic (
+      HOST_MAP              : natural                          := 1;
+      HOST_SETTINGS         : natural                          := 0;
       ADDRESS               : natural                          := 1;
       BAUD                  : natural                          := 19200;
       FORMAT                : natural                          := 0;
@@ -385,6 +391,7 @@ package modbus_pkg is
       wb_dat_i      : in  std_logic_vector(15 downto 0);
       wb_dat_o      : out std_logic_vector(15 downto 0);
       wb_ack_o      : out std_logic;
+      wb_err_o      : out std_logic;
       host_cyc_i    : in  std_logic := '0';
       host_stb_i    : in  std_logic := '0';
       host_we_i     : in  std_logic := '0';
@@ -407,7 +414,10 @@ package modbus_pkg is
       HOLDING_BASE          : natural                          := 0;
       HOLDING_COUNT         : natural                          := 8;
       READ_ONLY_BASE        : natural                          := 0;
-      READ_ONLY_COUNT       : natural                          := 0
+      READ_ONLY_COUNT       : natural                          := 0;
+      FILE_COUNT            : natural                          := 0;
+      FILE_RECORDS          : natural                          := 256;
+      OVERLAY               : natural                          := 0
     );
     port (
       clk_i         : in  std_logic;
@@ -428,6 +438,7 @@ package modbus_pkg is
       wb_dat_i      : in  std_logic_vector(15 downto 0);
       wb_dat_o      : out std_logic_vector(15 downto 0);
       wb_ack_o      : out std_logic;
+      wb_err_o      : out std_logic;
       coils_o       : out std_logic_vector(COIL_COUNT + boolean'pos(COIL_COUNT = 0) - 1 downto 0);
       discretes_i   : in  std_logic_vector(DISCRETE_COUNT + boolean'pos(DISCRETE_COUNT = 0) - 1 downto 0)
         := (others => '0');
