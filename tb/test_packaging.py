@@ -201,6 +201,12 @@ def test_core_names_files_that_exist():
     assert [path for path in listed if not (ROOT / path).is_file()] == []
 
 
+def test_core_has_the_vhdl_package_for_those_who_ask():
+    """In a fileset of its own, which the default target takes with the flag modbus_vhdl."""
+    assert [path for path, _ in filesets(ROOT)["vhdl"]] == present(ROOT, ".vhd")
+    assert '"modbus_vhdl? (vhdl)"' in targets(ROOT)["default"]
+
+
 @pytest.mark.parametrize("board", BOARDS)
 def test_core_has_a_target_for_the_board(board):
     """With the RTL, what all boards share, its top, its constraints, and nothing of another board."""
