@@ -15,7 +15,8 @@ from pathlib import Path
 
 import pytest
 from harness.runner import ROOT
-from test_parameters import documented, header
+from interface import header
+from test_parameters import documented
 
 STUBS = ROOT / "tb" / "packaging"
 VIVADO = "constraints/vivado/package_ip.tcl"

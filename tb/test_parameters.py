@@ -2,15 +2,14 @@
 # Copyright (c) 2026 the project contributors
 """Illegal parameters stop elaboration; docs/parameters.md says what the RTL has."""
 
-import functools
 import re
 import shutil
 import subprocess
-import tempfile
 
 import pytest
 from harness.build import config_parameters, for_simulator, function_mask, text_value
-from harness.runner import ROOT, source_of, sources
+from harness.runner import ROOT, sources
+from interface import DERIVED, fields, header, macros, number
 from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
@@ -175,73 +174,6 @@ def test_illegal_parameters_stop_elaboration(tool, case):
 # ------------------------------------------------------------------ the document
 
 
-def preprocessed(text):
-    """What Verilog text is to a compiler: includes and macros expanded, comments gone."""
-    if not shutil.which("iverilog"):
-        pytest.skip("Icarus Verilog (iverilog), which expands includes and macros, is not installed")
-    with tempfile.NamedTemporaryFile("w", suffix=".v") as source:
-        source.write(text)
-        source.flush()
-        command = ["iverilog", "-E", "-g2005", "-o", "/dev/stdout", *(f"-I{folder}" for folder in sources()[1])]
-        done = subprocess.run([*command, source.name], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return re.sub(r"//.*", "", done.stdout)
-
-
-@functools.cache
-def macros():
-    """{name: text} of the macros of modbus_defs.vh that take no argument, expanded."""
-    text = source_of("modbus_defs.vh").read_text(encoding="utf-8")
-    names = re.findall(r"^`define (MB_\w+)(?=\s)", text, re.M)
-    asked = "".join(f"@{name}@`{name}@\n" for name in names)
-    found = re.findall(r"@(\w+)@([^@]*)@", preprocessed(f'`include "modbus_defs.vh"\n{asked}'))
-    assert [name for name, _ in found] == names
-    return {name: value.strip() for name, value in found}
-
-
-def enclosed(text):
-    """(what the first pair of parentheses of `text` encloses, what follows it)."""
-    start, depth = text.index("("), 0
-    for place in range(start, len(text)):
-        depth += {"(": 1, ")": -1}.get(text[place], 0)
-        if not depth:
-            return text[start + 1 : place], text[place + 1 :]
-    raise ValueError(f"a parenthesis is not closed: {text[start : start + 40]}")
-
-
-def items(text):
-    """The parts of a list that commas outside of all brackets separate."""
-    out, depth = [""], 0
-    for char in text:
-        depth += {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}.get(char, 0)
-        if char == "," and not depth:
-            out.append("")
-        else:
-            out[-1] += char
-    return [part.strip() for part in out if part.strip()]
-
-
-@functools.cache
-def header(top):
-    """(parameters {name: default text}, ports {name: (direction, width text)}) of a module, includes expanded."""
-    text = preprocessed(source_of(top).read_text(encoding="utf-8"))
-    text = text[re.search(rf"\bmodule\s+{top}\b", text).end() :]
-    parameters, head = {}, text.lstrip()
-    if head.startswith("#"):
-        inside, head = enclosed(head)
-        for item in items(inside):
-            name, default = item.split("=", 1)
-            parameters[name.split()[-1]] = " ".join(default.split())
-    ports = {}
-    for item in items(enclosed(head)[0]):
-        direction, width, port = re.fullmatch(
-            r"(input|output)\s+(?:wire|reg)\s*(?:\[([^\]]+)\])?\s*(\w+)", item
-        ).groups()
-        left, _, right = (width or "").partition(":")
-        ports[port] = (direction, f"{number(left)}:{right}" if re.fullmatch(r"[\d\s+-]+", left) else width or "1")
-    return parameters, ports
-
-
 def rows():
     """(columns, cells) of every table row of the document whose first cell is a `name`."""
     columns, out = [], []
@@ -263,9 +195,6 @@ def documented(kind):
     return {cells[0]: dict(zip(columns, cells)) for columns, cells in rows() if columns[0] == first}
 
 
-DERIVED = re.compile(r"\w+_WIDTH")  # named in the text only: nobody sets them
-
-
 def test_every_parameter_is_documented():
     wanted = {p for top in TOPS for p in header(top)[0] if not DERIVED.fullmatch(p)}
     assert wanted, "no parameter found in the RTL"
@@ -276,19 +205,6 @@ def test_every_port_is_documented():
     wanted = {p for top in TOPS for p in header(top)[1]}
     assert wanted, "no port found in the RTL"
     assert set(documented("port")) == wanted
-
-
-def number(text):
-    """Value of a constant expression of Verilog, of a macro of modbus_defs.vh by its name, or a text in quotes."""
-    text = text.strip().strip("`")
-    if text.startswith('"'):
-        return text
-    text = macros().get(text, text) if text.startswith("MB_") else text
-    text = re.sub(
-        r"\d*'([hHdD])([0-9a-fA-F_]+)", lambda m: str(int(m[2].replace("_", ""), 16 if m[1] in "hH" else 10)), text
-    )
-    assert re.fullmatch(r"[\d\s()|&<>+*-]+", text), f"no constant: {text}"
-    return eval(text)  # digits and operators alone
 
 
 @pytest.mark.parametrize("top", TOPS)
@@ -317,29 +233,23 @@ def test_directions_and_widths_are_as_documented(top):
             assert row["Width"] == "1", f"{port}: document {row['Width']}"
 
 
-FIELD = re.compile(r"MB_(SET|HOST|EVENT|USER)_\w+")
-NO_FIELDS = re.compile(r"\w+_WIDTH|MB_HOST_AT_REST")
+VECTORS = {
+    "SET": "MB_SETTINGS_WIDTH",
+    "HOST": "MB_HOST_STATE_WIDTH",
+    "EVENT": "MB_EVENTS_WIDTH",
+    "USER": "MB_USER_REPLY_WIDTH",
+}
 
 
 def test_fields_are_as_documented():
     """Each field of the vectors at the core's ports, with its bits."""
-    wanted = {name: bits for name, bits in macros().items() if FIELD.fullmatch(name) and not NO_FIELDS.fullmatch(name)}
+    wanted = {f"MB_{kind}_{name}": macros()[f"MB_{kind}_{name}"] for kind in VECTORS for name in fields(kind)}
     assert len(wanted) > 20, "the fields were not found"
     assert {name: row["Bits"] for name, row in documented("field").items()} == wanted
 
 
-def test_fields_fill_their_vectors():
+@pytest.mark.parametrize("kind", VECTORS)
+def test_fields_fill_their_vector(kind):
     """Without a hole and without an overlap."""
-    widths = {
-        "SET": "MB_SETTINGS_WIDTH",
-        "HOST": "MB_HOST_STATE_WIDTH",
-        "EVENT": "MB_EVENTS_WIDTH",
-        "USER": "MB_USER_REPLY_WIDTH",
-    }
-    for kind, width in widths.items():
-        bits = []
-        for name, row in documented("field").items():
-            if name.startswith(f"MB_{kind}_"):
-                high, _, low = row["Bits"].partition(":")
-                bits += range(int(low or high), int(high) + 1)
-        assert sorted(bits) == list(range(number(width))), kind
+    bits = [bit for high, low in fields(kind).values() for bit in range(low, high + 1)]
+    assert bits == list(range(number(VECTORS[kind])))

@@ -12,8 +12,8 @@ import subprocess
 import pytest
 from harness.build import function_mask
 from harness.runner import PRODUCTS, ROOT, TB, run, sources
+from interface import DERIVED, header, macros, number
 from protocol.defs import ALL_FUNCTIONS, FC
-from test_parameters import DERIVED, header, macros, number
 
 PACKAGE = ROOT / "rtl" / "vhdl" / "modbus_pkg.vhd"
 PAGE = ROOT / "docs" / "vhdl.md"
