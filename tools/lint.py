@@ -155,16 +155,18 @@ def example_jobs() -> list[Job]:
     for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         if not path.exists():
             continue
-        blocks = re.findall(r"^```verilog\n(module (\w+).*?)^```", path.read_text(), re.M | re.S)
+        pattern = r"^```verilog\n((?:(?:`|//)[^\n]*\n|\n)*module (\w+).*?)^```"
+        blocks = re.findall(pattern, path.read_text(), re.M | re.S)
         for text, module in blocks:
             copy = ROOT / f"build/lint/{module}.v"
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_text(text)
             label = f"{path.name} {module}"
-            common = [*include_options(), *rtl_files(), str(copy)]
+            common = [*include_options(), *all_files(), str(copy)]
             jobs.append(Job(f"iverilog {label}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *common]))
-            # An example leaves outputs open on purpose.
-            verilator = ["verilator", "--lint-only", "-Wall", "-Wno-PINCONNECTEMPTY", "--language", "1364-2005"]
+            # An example leaves outputs open and bits of vectors unused on purpose.
+            quiet = ["-Wno-PINCONNECTEMPTY", "-Wno-UNUSED"]
+            verilator = ["verilator", "--lint-only", "-Wall", *quiet, "--language", "1364-2005"]
             jobs.append(Job(f"verilator {label}", [*verilator, "--top-module", module, *common]))
     return jobs
 
