@@ -3,6 +3,7 @@
 """The whole slave in cocotb: which build runs which topics, on which simulator."""
 
 import pytest
+from differential import bench as compiled
 from harness.build import NO_FLOORS, REFERENCE, config_parameters, function_mask, table_parameters
 from harness.runner import run
 from protocol import vectors
@@ -231,10 +232,23 @@ SUITES = {
 }
 # Verilator takes some ten seconds for each build, so it runs a selection.
 ON_VERILATOR = ("line_faults", "speed", "options", "core_bus")
-RUNS = [("verilator", name) for name in ON_VERILATOR] + [("icarus", name) for name in SUITES]
+# Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
+ON_COMPILED = (
+    "functions_mapped",
+    "functions_whole",
+    "functions_limited",
+    "identity_above",
+)
+RUNS = [
+    *(("compiled", name) for name in ON_COMPILED),
+    *(("verilator", name) for name in ON_VERILATOR),
+    *(("icarus", name) for name in SUITES if name not in ON_COMPILED),
+]
 
 
 @pytest.mark.parametrize("sim,suite", RUNS, ids=[f"{sim}-{name}" for sim, name in RUNS])
 def test_system(record_property, sim, suite, seed):
     top, parameters, module, only = SUITES[suite]
+    if sim == "compiled":
+        return compiled.run(record_property, f"system.{module}", parameters, only)
     run(record_property, sim, top, f"system.{module}", parameters, {"BENCH_SEED": str(seed)}, only, suite)
