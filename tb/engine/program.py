@@ -3,8 +3,9 @@
 """The program memory: a step comes a clock after its address; the entries lead to the right routines."""
 
 import cocotb
-from engine.fields import NUMBERS, RANGES, step, taken
 from harness.unit import clocks, settle, start
+
+from engine.fields import NUMBERS, RANGES, step, taken
 
 
 async def word(dut, at):

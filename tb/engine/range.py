@@ -3,9 +3,10 @@
 """The range: fields, limits and last address to the item, byte counts, files."""
 
 import cocotb
-from engine.fields import NUMBERS, argument, do
 from harness.unit import clocks, settle, start
 from protocol.defs import Space
+
+from engine.fields import NUMBERS, argument, do
 
 ROOM = 2048  # a limit is given as ROOM - limit
 LIMITS = (1, 31, 125, 1968, 2000)

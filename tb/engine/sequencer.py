@@ -4,8 +4,9 @@
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
-from engine.fields import NUMBERS, field, step
 from harness.unit import clocks, settle, start
+
+from engine.fields import NUMBERS, field, step
 
 ILLEGAL_FUNCTION, ILLEGAL_ADDRESS, ILLEGAL_VALUE, FAILURE, BUSY = 1, 2, 3, 4, 6
 START_AT, EXCEPTION_AT, CLEARING_AT = 0x20, 0x100, 0x1F0
