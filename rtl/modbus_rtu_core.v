@@ -73,34 +73,9 @@ module modbus_rtu_core #(
   output wire        idle_o                      // level : nothing is received, worked on or sent
 );
 
-  generate
-    if (CLK_HZ < 1000 || CLK_HZ > 1000000000) begin : gen_clock
-      ERROR_modbus_CLK_HZ_from_1000_to_1000000000 illegal_parameter ();
-    end
-    if (T15_MIN_US < 0 || T35_MIN_US < T15_MIN_US || T35_MIN_US > 100000) begin : gen_floors
-      ERROR_modbus_T35_MIN_US_from_T15_MIN_US_to_100000 illegal_parameter ();
-    end
-  endgenerate
-
-  // Microseconds to clocks, rounded up to the next kilohertz and clock; no term passes 32 bits.
-  localparam integer KHZ = (CLK_HZ % 1000000 + 999) / 1000;
-  localparam integer T15_CLOCKS = (CLK_HZ / 1000000) * T15_MIN_US + (KHZ * T15_MIN_US + 999) / 1000;
-  localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
-
 `include "modbus_features.vh"
 
   // TRANSITION
-  wire [7:0]  address_i = settings_i[`MB_SET_ADDRESS];
-  wire [15:0] bit_time_i = settings_i[`MB_SET_BIT_TIME];
-  wire [1:0]  format_i = settings_i[`MB_SET_FORMAT];
-  wire        broadcast_en_i = settings_i[`MB_SET_BROADCAST];
-  wire        gap_count_only_i = settings_i[`MB_SET_GAP_COUNT_ONLY];
-  wire        strict_turnaround_i = settings_i[`MB_SET_STRICT];
-  wire drop_late = settings_i[`MB_SET_DROP_LATE];
-  wire [11:0] response_delay_i = settings_i[`MB_SET_RESPONSE_DELAY];
-  wire [15:0] stall_limit_i = settings_i[`MB_SET_STALL_LIMIT];
-  wire [3:0]  de_lead_i = settings_i[`MB_SET_DE_LEAD];
-  wire [3:0]  de_tail_i = settings_i[`MB_SET_DE_TAIL];
   wire        busy_i = host_state_i[`MB_HOST_BUSY];
   wire [3:0]  failure_i = host_state_i[`MB_HOST_FAILURE];
   wire [7:0]  exception_status_i = host_state_i[`MB_HOST_EXCEPTION_STATUS];
@@ -116,61 +91,32 @@ module modbus_rtu_core #(
   wire [15:0] counter_dat_o, diagnostic_register_o;
   wire [6:0]  log_count_o;
   wire        counter_ack_o;
-  wire        err_parity_o, err_framing_o, err_overrun_o, err_crc_o, err_short_o, err_long_o, err_gap_o, frame_stb_o;
   assign status_ack_o = counter_ack_o;
   assign status_dat_o = (status_adr_i == 7'd0) ? diagnostic_register_o : (status_adr_i == 7'd1) ? {15'd0, listen_only_o} :
                         (status_adr_i == 7'd2) ? {9'd0, log_count_o} : counter_dat_o;
-  assign events_o = {err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o};
-  assign idle_o = ~(drop_late & 1'b0) & ~(rx_active_o | rx_busy | drive | waiting | tx_waits);
 
-  // Bit clock
-  wire       quarter_stb, bit_stb, rx_restart, tx_restart, send_stb;
-  wire [1:0] quarter;
-
-  modbus_bit_clock u_bit_clock (
-    .clk_i(clk_i), .bit_time_i(bit_time_i), .restart_i(rst_i | rx_restart | tx_restart | send_stb),
-    .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
-  );
-
-  // Receiver
-  wire       rxd, drive;
-  wire       start_stb, char_stb, rx_bit_stb, rx_bit, parity_error, framing_error, rx_busy;
-  wire [7:0] rx_data;
-
-  modbus_sync u_sync (.clk_i(clk_i), .async_i(rxd_i), .sync_o(rxd));
-
-  modbus_uart_rx u_uart_rx (
-    .clk_i(clk_i), .rst_i(rst_i), .enable_i(~drive), .format_i(format_i), .rxd_i(rxd),
-    .restart_o(rx_restart), .quarter_stb_i(quarter_stb), .quarter_i(quarter),
-    .start_stb_o(start_stb), .bit_stb_o(rx_bit_stb), .bit_o(rx_bit), .char_stb_o(char_stb), .data_o(rx_data),
-    .parity_error_o(parity_error), .framing_error_o(framing_error), .busy_o(rx_busy)
-  );
-
-  wire t15, t35, restart;
-
-  modbus_line_timer #(.T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)) u_line_timer (
-    .clk_i(clk_i), .rst_i(rst_i), .format_i(format_i), .quarter_stb_i(quarter_stb),
-    .busy_i(rx_busy | drive | restart), .t15_o(t15), .t35_o(t35)
-  );
-
-  // Frames
-  wire       open_stb, store_stb, look_stb, good_stb, broadcast, foreign_stb, bad_stb, quiet_stb, sent_stb, crc_zero;
+  // Line
+  wire [`MB_FRAME_WIDTH-1:0] frame;
+  wire [`MB_RAM_WIDTH-1:0]   ram_do;
+  wire [7:0] rx_byte, frame_byte, held;
   wire [8:0] count;
   wire [3:0] cursor;
-  wire [7:0] frame_byte, held;
+  wire       send_stb, quiet_stb, restart, sending, waiting, stall;
 
-  modbus_frame_rx u_frame_rx (
-    .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(gap_count_only_i), .strict_i(strict_turnaround_i),
-    .address_i(address_i), .broadcast_en_i(broadcast_en_i), .byte_i(frame_byte), .look_stb_o(look_stb),
-    .start_stb_i(start_stb), .char_stb_i(char_stb), .parity_error_i(parity_error), .framing_error_i(framing_error),
-    .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .count_i(count), .open_stb_o(open_stb), .store_stb_o(store_stb),
-    .good_stb_o(good_stb), .broadcast_o(broadcast), .foreign_stb_o(foreign_stb), .bad_stb_o(bad_stb), .restart_i(restart), .done_stb_i(quiet_stb | sent_stb), .answered_i(sent_stb),
-    .active_o(rx_active_o), .err_parity_o(err_parity_o), .err_framing_o(err_framing_o),
-    .err_overrun_o(err_overrun_o), .err_crc_o(err_crc_o), .err_short_o(err_short_o), .err_long_o(err_long_o),
-    .err_gap_o(err_gap_o)
+  modbus_line #(.CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US)) u_line (
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings_i),
+    .frame_o(frame), .ram_do_o(ram_do), .rx_byte_o(rx_byte), .rx_active_o(rx_active_o), .frame_byte_i(frame_byte),
+    .count_i(count), .verdict_i({restart, quiet_stb, send_stb}), .sending_o(sending),
+    .bank_waits_i(waiting | user_req_o), .stall_o(stall), .events_o(events_o), .idle_o(idle_o)
   );
 
-  wire       do_point, do_clear, do_step, do_up, do_down, do_put, do_keep, do_recall, move_put, move_step, tx_step;
+  wire good_stb  = frame[`MB_FRAME_GOOD];
+  wire open_stb  = ram_do[`MB_RAM_OPEN];
+  wire look_stb  = ram_do[`MB_RAM_LOOK];
+  wire store_stb = ram_do[`MB_RAM_STORE];
+  wire tx_step   = ram_do[`MB_RAM_NEXT];
+
+  wire       do_point, do_clear, do_step, do_up, do_down, do_put, do_keep, do_recall, move_put, move_step;
   wire       user_put;
   wire [4:0] do_point_at;
   wire [7:0] move_data;
@@ -183,15 +129,8 @@ module modbus_rtu_core #(
     .clear_i(open_stb | do_clear), .up_i(store_stb | do_up | move_put | user_put), .down_i(do_down | move_step | tx_step),
     .keep_i(do_keep), .recall_i(do_recall), .look_i(user_req_o), .look_at_i(user_adr_i),
     .write_i(store_stb | do_put | move_put | user_put),
-    .data_i(rx_active_o ? rx_data : user_req_o ? user_dat_i : move_data),
+    .data_i(rx_active_o ? rx_byte : user_req_o ? user_dat_i : move_data),
     .byte_o(frame_byte), .cursor_o(cursor), .count_o(count), .kept_count_o(kept_count)
-  );
-
-  wire tx_bit_stb, tx_bit, tx_feed, check_bit;
-
-  modbus_crc16 u_crc16 (
-    .clk_i(clk_i), .clear_i(open_stb | tx_restart), .shift_i(rx_bit_stb | tx_bit_stb),
-    .feed_i(drive ? tx_feed : 1'b1), .data_i(drive ? tx_bit : rx_bit), .bit_o(check_bit), .zero_o(crc_zero)
   );
 
   // Requests
@@ -199,7 +138,7 @@ module modbus_rtu_core #(
   wire [15:0] program_step;
   wire        do_hold, do_address, do_quantity, do_depth, do_single, do_set_first, do_set_less, do_file;
   wire        do_total_clear, do_total, do_range, do_load, do_literal, do_grant, do_burst, do_offer;
-  wire        in_limit, bytes_fit, over, beyond, too_long, done, fail, waiting, stall, tx_waits;
+  wire        in_limit, bytes_fit, over, beyond, too_long, done, fail;
   wire [10:0] argument;
   wire [6:1]  mode;
   wire [2:0]  space;
@@ -223,9 +162,10 @@ module modbus_rtu_core #(
 
   modbus_dispatch #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_dispatch (
     .clk_i(clk_i), .rst_i(rst_i), .busy_i(busy_i), .failure_i(failure_i), .good_i(good_stb),
-    .broadcast_i(broadcast), .foreign_i(foreign_stb), .bad_i(bad_stb), .long_i(err_long_o), .send_stb_o(send_stb),
+    .broadcast_i(frame[`MB_FRAME_BROADCAST]), .foreign_i(frame[`MB_FRAME_FOREIGN]), .bad_i(frame[`MB_FRAME_BAD]),
+    .long_i(frame[`MB_FRAME_LONG]), .send_stb_o(send_stb),
     .quiet_stb_o(quiet_stb), .restart_stb_o(restart), .written_stb_o(write_stb_o),
-    .sending_i(tx_waits), .program_at_o(program_at), .program_step_i(program_step), .start_i(program_start),
+    .sending_i(sending), .program_at_o(program_at), .program_step_i(program_step), .start_i(program_start),
     .foreign_at_i(program_foreign), .bad_at_i(program_bad), .exception_i(program_exception), .reset_i(program_reset), .byte_i(frame_byte),
     .cursor_i(cursor), .count_i(count), .point_o(do_point), .point_at_o(do_point_at), .clear_o(do_clear),
     .step_o(do_step), .up_o(do_up), .down_o(do_down), .put_o(do_put), .context_keep_o(do_keep),
@@ -344,34 +284,6 @@ module modbus_rtu_core #(
   assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : counters_data;
 
   assign grant_space_o = space;
-  assign frame_stb_o   = good_stb | foreign_stb;
-
-  // Answers
-  wire        tx_wait_clear, wait_over, tx_valid, tx_check, tx_ready;
-  wire [11:0] tx_wait_limit;
-
-  modbus_frame_tx u_frame_tx (
-    .clk_i(clk_i), .rst_i(rst_i), .start_i(send_stb), .done_stb_o(sent_stb), .drive_o(drive),
-    .response_delay_i(response_delay_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i),
-    .wait_clear_o(tx_wait_clear), .wait_limit_o(tx_wait_limit), .waits_o(tx_waits), .wait_over_i(wait_over),
-    .count_i(count), .step_o(tx_step), .valid_o(tx_valid), .check_o(tx_check), .ready_i(tx_ready)
-  );
-
-  // A stall limit of 0 is no limit.
-  modbus_wait u_wait (
-    .clk_i(clk_i), .bit_stb_i(bit_stb), .clear_i(tx_waits ? tx_wait_clear : ~(waiting | user_req_o)),
-    .limit_i(tx_waits ? {4'd0, tx_wait_limit} : stall_limit_i), .over_o(wait_over)
-  );
-
-  assign stall = wait_over & (stall_limit_i != 16'd0);
-
-  modbus_uart_tx u_uart_tx (
-    .clk_i(clk_i), .rst_i(rst_i), .format_i(format_i), .restart_o(tx_restart), .bit_stb_i(bit_stb),
-    .valid_i(tx_valid), .data_i(frame_byte), .check_i(tx_check), .ready_o(tx_ready),
-    .bit_stb_o(tx_bit_stb), .bit_o(tx_bit), .feed_o(tx_feed), .check_bit_i(check_bit), .txd_o(txd_o)
-  );
-
-  assign de_o = drive;
 
   modbus_alive #(.CLK_HZ(CLK_HZ), .TIMEOUT_MS(ALIVE_TIMEOUT_MS)) u_alive (
     .clk_i(clk_i), .rst_i(rst_i), .frame_stb_i(good_stb), .alive_o(alive_o)
@@ -391,9 +303,9 @@ module modbus_rtu_core #(
       f_granted <= 1'b1;
       if (grant_write_o) f_write_granted <= 1'b1;
     end
-    if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
-    if (look_stb) f_good <= $past(crc_zero & (count >= 9'd4) & t35);
-    if (good_stb) f_ours <= $past((frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247);
+    if (rst_i || quiet_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
+    if (look_stb) f_good <= $past(count >= 9'd4);
+    if (good_stb) f_ours <= 1'b1;
   end
 
   always @* if (!f_past) assume (rst_i);
@@ -403,7 +315,6 @@ module modbus_rtu_core #(
     if (wb_stb_o)              assert (wb_cyc_o && f_good && f_ours && f_granted);
     if (wb_stb_o && wb_we_o)   assert (f_write_granted);
     if (write_stb_o)           assert (f_good && f_write_granted);
-    if (de_o)                  assert (!rx_active_o);            // deaf while driving
     if (de_o)                  assert (!wb_cyc_o);               // the bus is free before the answer
     // A beat is not withdrawn before the bank answers.
     if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall))
