@@ -4,7 +4,7 @@
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
-from engine.fields import argument, do
+from harness.steps import argument, do
 from harness.unit import clocks, settle, start
 from protocol.defs import Space
 

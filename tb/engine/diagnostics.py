@@ -3,7 +3,7 @@
 """Counters, log and status port alone."""
 
 import cocotb
-from engine.fields import NUMBERS, argument, do
+from harness.steps import NUMBERS, argument, do
 from harness.unit import clocks, settle, start, strobe
 
 EVENT, OVERRUN = NUMBERS["CPT_EVENT"], NUMBERS["CPT_OVERRUN"]

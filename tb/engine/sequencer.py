@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""The sequencer alone, with programs of a few steps: which commands each step gives, in which clocks, and how it ends."""
+"""The sequencer alone, with programs of a few steps: which commands each step gives, and how it ends."""
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
-from engine.fields import NUMBERS, field, step
+from harness.steps import NUMBERS, field, step
 from harness.unit import clocks, settle, start
 
 ILLEGAL_FUNCTION, ILLEGAL_ADDRESS, ILLEGAL_VALUE, FAILURE, BUSY = 1, 2, 3, 4, 6
