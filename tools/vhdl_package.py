@@ -49,7 +49,7 @@ use ieee.std_logic_1164.all;
 package modbus_pkg is
 """
 TEXT = """\
-  -- The characters of `text`, right-justified in `bytes` bytes: for ADDITIONAL_DATA, SERVER_ID, parts of PRIVATE_OBJECTS
+  -- The characters of `text`, right-justified in `bytes` bytes: for ADDITIONAL_DATA, SERVER_ID, PRIVATE_OBJECTS
   function mb_text (text : string; bytes : positive) return std_logic_vector"""
 BIT_TIME = """\
   -- The bit time of a rate, rounded to whole clocks

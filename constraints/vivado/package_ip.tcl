@@ -35,13 +35,14 @@ proc modbus_documented {root} {
   close $channel
   set found {}
   foreach line $lines {
-    if {![regexp {^\| `([A-Z][A-Z0-9_]*)` \| ([^|]*) \| ([^|]*) \| ([^|]*) \|} $line -> name default range meaning]} continue
+    if {![regexp {^\| `([A-Z][A-Z0-9_]*)` \|([^|]*)\|([^|]*)\|([^|]*)\|} $line -> name default range meaning]} continue
+    set range [string trim $range]
     if {[string match MB_* $name]} continue
     set least {}
     set most {}
     if {$range eq "0, 1"} { set least 0; set most 1 }
     regexp {^(\d+) \.\. (\d+)(,|$)} $range -> least most
-    lappend found $name $least $most [string map {` {}} $meaning]
+    lappend found $name $least $most [string map {` {}} [string trim $meaning]]
   }
   return $found
 }

@@ -129,7 +129,7 @@ package modbus_pkg is
   -- The bit time of a rate, rounded to whole clocks
   function mb_bit_time (clk_hz : positive; baud : positive) return std_logic_vector;
 
-  -- The characters of `text`, right-justified in `bytes` bytes: for ADDITIONAL_DATA, SERVER_ID, parts of PRIVATE_OBJECTS
+  -- The characters of `text`, right-justified in `bytes` bytes: for ADDITIONAL_DATA, SERVER_ID, PRIVATE_OBJECTS
   function mb_text (text : string; bytes : positive) return std_logic_vector;
 
   component modbus_rtu_slave_io is
