@@ -2,10 +2,12 @@
 # Copyright (c) 2026 the project contributors
 """Illegal parameters stop elaboration; docs/parameters.md says what the RTL has."""
 
+import random
 import re
 import shutil
 import subprocess
 
+import parameter_space
 import pytest
 from harness.build import config_parameters, for_simulator, function_mask, text_value
 from harness.runner import ROOT, sources
@@ -169,6 +171,16 @@ def test_illegal_parameters_stop_elaboration(tool, case):
     status, messages = elaborate(tool, *case)
     assert status != 0, f"{name(case)} was accepted"
     assert "ERROR_modbus" in messages, messages
+
+
+@pytest.mark.parametrize("module", sorted(parameter_space.SPACE))
+def test_drawn_parameters_are_legal(module, seed):
+    """The parameter space that lint draws from: two sets of each module elaborate."""
+    rng = random.Random(f"{seed} {module}")
+    for _ in range(2):
+        drawn = parameter_space.draw(module, rng)
+        status, messages = elaborate("icarus", module, drawn)
+        assert status == 0 and "ERROR_" not in messages, f"{drawn}: {messages}"
 
 
 # ------------------------------------------------------------------ the document

@@ -3,6 +3,7 @@
 """The whole slave in cocotb: which build runs which topics, on which simulator."""
 
 import pytest
+from differential import bench as compiled
 from harness.build import NO_FLOORS, REFERENCE, config_parameters, function_mask, table_parameters
 from harness.runner import run
 from protocol import vectors
@@ -131,6 +132,8 @@ SEGMENTS = {
         server_id=bytes(range(0xF0, 0x100)),
         additional_data=bytes(range(234)),
     ),
+    # the longest answer of 11H
+    "identity_longest": identity(objects={0: 1}, server_id=b"\x11", additional_data=bytes(range(1, 250))),
     # the first three end at the limit
     "identity_small": identity(objects={0: 8, 1: 8, 2: 2, 3: 1, 4: 9, 6: 18}, conformity=0x82, device_id_limit=31),
 }
@@ -170,8 +173,10 @@ LEFT_OUT_TESTS = {
 
 # name: (top, parameters, cocotb modules, names of cocotb tests or None for all)
 SUITES = {
-    "power_up": (SLAVE, FAST, "power_up", None),
-    "power_up_io": (IO, NO_FLOORS, "power_up", None),
+    "power_up": (SLAVE, FAST, "power_up", "without_a_reset"),
+    "power_up_io": (IO, NO_FLOORS, "power_up", "without_a_reset"),
+    "power_up_short_05": (SLAVE, FAST, "power_up", "short/pdu=05$"),
+    "power_up_short_15": (SLAVE, FAST, "power_up", "short/pdu=1500$"),
     "vectors": (SLAVE, FAST, "vectors_at_pins", None),
     "vectors_meter": (SLAVE, METER, "vectors_at_pins", None),
     "vectors_984": (SLAVE, example("S000-FIG32-33-984"), "vectors_at_pins", None),
@@ -227,10 +232,23 @@ SUITES = {
 }
 # Verilator takes some ten seconds for each build, so it runs a selection.
 ON_VERILATOR = ("line_faults", "speed", "options", "core_bus")
-RUNS = [("verilator", name) for name in ON_VERILATOR] + [("icarus", name) for name in SUITES]
+# Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
+ON_COMPILED = (
+    "functions_mapped",
+    "functions_whole",
+    "functions_limited",
+    "identity_above",
+)
+RUNS = [
+    *(("compiled", name) for name in ON_COMPILED),
+    *(("verilator", name) for name in ON_VERILATOR),
+    *(("icarus", name) for name in SUITES if name not in ON_COMPILED),
+]
 
 
 @pytest.mark.parametrize("sim,suite", RUNS, ids=[f"{sim}-{name}" for sim, name in RUNS])
 def test_system(record_property, sim, suite, seed):
     top, parameters, module, only = SUITES[suite]
+    if sim == "compiled":
+        return compiled.run(record_property, f"system.{module}", parameters, only)
     run(record_property, sim, top, f"system.{module}", parameters, {"BENCH_SEED": str(seed)}, only, suite)
