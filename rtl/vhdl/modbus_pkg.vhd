@@ -315,6 +315,10 @@ package modbus_pkg is
       txd_o         : out std_logic;
       de_o          : out std_logic;
       settings_i    : in  mb_settings_vector;
+      events_o      : out mb_events_vector;
+      rx_active_o   : out std_logic;
+      alive_o       : out std_logic;
+      idle_o        : out std_logic;
       host_state_i  : in  mb_host_state_vector := MB_HOST_AT_REST;
       grant_req_o   : out std_logic;
       grant_space_o : out std_logic_vector(2 downto 0);
@@ -342,11 +346,7 @@ package modbus_pkg is
       status_dat_o  : out std_logic_vector(15 downto 0);
       status_ack_o  : out std_logic;
       write_stb_o   : out std_logic;
-      events_o      : out mb_events_vector;
-      alive_o       : out std_logic;
-      rx_active_o   : out std_logic;
-      listen_only_o : out std_logic;
-      idle_o        : out std_logic
+      listen_only_o : out std_logic
     );
   end component modbus_rtu_core;
 
