@@ -188,7 +188,9 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
-    if (good || look_q || check_q || decide_q || $past(decide_q)) assume (!restart_i && !done_stb_i);   // nothing is under way then
+    if (!sending_i) assume (!sent_i && !dropped_i);            // of an answer on its way
+    if ($past(send_stb_o)) assume (sending_i || dropped_i);     // send_stb_o begins one, sent_i or dropped_i ends it
+    else assume (!sending_i || $past(sending_i && !sent_i && !dropped_i));
   end
 
   always @(posedge clk_i) if (f_past) begin
@@ -209,7 +211,10 @@ module modbus_frame_rx (
     if (decide_q) assert (good_stb_o != foreign_stb_o);
     if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247));
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
-    if ($past(good_stb_o) && !$past(rst_i | restart_i | done_stb_i)) assert (state_q == ST_WORK);
+    if (sending_i && !$past(rst_i)) assert (state_q == ST_WORK);    // stays in its work while an answer is on its way
+    if (send_stb_o) assert (state_q == ST_WORK && !judging);
+    if (drop_o) assert (drop_late_i && heard_q);
+    if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
     if (state_q == ST_WORK) assert (!store_stb_o && (!open_stb_o || foreign_stb_o) && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);

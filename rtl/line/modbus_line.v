@@ -150,6 +150,22 @@ module modbus_line #(
   assign events_o[`MB_EVENT_LONG]   = err_long;
   assign idle_o                     = frames_idle & uart_idle & ~sending_o;
 
+`ifdef FORMAL
+  // Whatever the engine, the frame RAM and the bit clocks do: nothing is received while we drive the line.
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
+    if (de_o) assert (!rx_active_o);
+    if (sending_o) assert (!frames_idle && !rx_active_o);
+    if (de_o) assert (sending_o && !ram_do_o[`MB_RAM_OPEN] && !ram_do_o[`MB_RAM_STORE]);
+    if (!de_o) assert (txd_o);                                   // the line is left at 1
+    if (idle_o) assert (!rx_active_o && !sending_o && !de_o);
+    cover (de_o && !txd_o);
+    cover (rx_active_o);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -132,6 +132,70 @@ module modbus_line_timer #(
 
   assign wait_over_o = over_q;
 
+`ifdef FORMAL
+  // The bit clock is cut off: whatever it does, t1.5 and t3.5 are so many of its half bits, and floors in clocks,
+  // neither early nor late.
+  reg        f_past = 1'b0;
+  reg [7:0]  f_halves = 8'd0;        // half bits since the line was busy
+  reg [15:0] f_clocks = 16'd0;       // clocks of silence behind the last stop bit
+  reg [7:0]  f_rest = 8'd0;          // half bits of the stop bits
+  wire       f_silent = (f_halves >= f_rest);
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (busy) begin
+      f_halves <= 8'd0;
+      f_clocks <= 16'd0;
+      f_rest   <= !receiving_i ? 8'd0 : (format_i == `MB_FORMAT_8N2) ? 8'd3 : 8'd1;
+    end else begin
+      if (half_stb && f_halves != 8'hFF) f_halves <= f_halves + 8'd1;
+      if (f_silent && f_clocks != 16'hFFFF) f_clocks <= f_clocks + 16'd1;
+    end
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past) begin
+    assume ($stable(format_i));
+    assume (!quarter_stb || !$past(quarter_stb));
+  end
+
+  always @(posedge clk_i) if (f_past) begin
+    // What makes the rest hold from clock to clock
+    assert (t35_chars_q || {halves_q[6], halves_q} + f_rest == f_halves || f_halves == 8'hFF);
+    assert (f_halves != 8'hFF || t35_chars_q);
+    assert (halves_q <= t35 + 7'd1 || halves_q >= 7'd125);
+    assert (rest == (f_halves < f_rest));
+    assert (!t15_chars_q || f_halves >= {1'b0, t15} + f_rest);
+    assert (!t35_chars_q || f_halves >= {1'b0, t35} + f_rest);
+    if (!$past(busy) && !busy) begin
+      if (t15_o) assert (f_halves >= {1'b0, t15} + f_rest && f_clocks > T15_CLOCKS);     // never early
+      if (t35_o) assert (f_halves >= {1'b0, t35} + f_rest && f_clocks > T35_CLOCKS);
+      // never more than two clocks late
+      if (f_halves > {1'b0, t15} + f_rest && f_clocks > T15_CLOCKS + 1) assert (t15_o);
+      if (f_halves > {1'b0, t35} + f_rest && f_clocks > T35_CLOCKS + 1) assert (t35_o);
+    end
+    if (receiving_i || sending_i) assert (!t35_o);
+    if ($past(busy)) assert (halves_q == 7'd0 || rest);
+    cover (t35_o && t15_o);
+  end
+
+  // Waits: exactly so many bits
+  reg [15:0] f_bits = 16'd0;
+  always @(posedge clk_i) if (wait_clear_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
+  wire [15:0] f_limit = wait_short_i ? {12'd0, wait_limit_i[3:0]} : wait_limit_i;
+  always @(posedge clk_i) if (f_past) begin
+    assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
+    assume (bit_stb == (quarter_stb && quarter == 2'd3));
+    if (!$past(wait_clear_i)) begin
+      assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);
+      assert (f_bits >= bits_q && bits_q <= f_limit + 16'd1);
+      if (wait_over_o && !wait_clear_i) assert (f_bits >= f_limit);
+      if ($past(f_bits) >= $past(f_limit) && !$past(wait_clear_i)) assert (wait_over_o);
+    end
+    cover (wait_over_o && f_limit == 16'd2);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

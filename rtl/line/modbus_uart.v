@@ -209,6 +209,92 @@ module modbus_uart (
   assign bit_o           = sends_q ? serial : data_q[7];
   assign feed_o          = ~check_q;
 
+`ifdef FORMAL
+  // The bit clock is cut off and may do all that a bit clock can.
+  reg       f_past = 1'b0;
+  reg [3:0] f_bits = 4'd0;           // data bits received since the start bit
+  reg       f_parity = 1'b0;         // over them
+  reg [7:0] f_data = 8'd0;           // the sent character as it was handed over
+  reg       f_check = 1'b0;
+  reg       f_sent_parity;
+  integer   f_i;
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (start_stb_o)    {f_bits, f_parity} <= {4'd0, is_odd};
+    else if (bit_stb_q) {f_bits, f_parity} <= {f_bits + 4'd1, f_parity ^ data_q[7]};
+    if (take) {f_data, f_check} <= {data_i, check_i};
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @* if (enable_i) assume (!sends_q && !valid_i);                 // half duplex
+  always @(posedge clk_i) if (f_past) begin
+    assume ($stable(format_i) || (idle_o && $past(idle_o) && !start_stb_o && !char_stb_o));
+    if ($past(begin_char | begin_stb_o)) assume (quarter == 2'd0 && !quarter_stb);
+    else if ($past(quarter_stb))         assume (quarter == $past(quarter) + 2'd1);
+    else                                 assume ($stable(quarter));
+    assume (!$past(quarter_stb) || !quarter_stb);
+    assume (bit_stb == (quarter_stb && quarter == 2'd3));
+  end
+
+  wire [3:0] f_number_bits = (number_q == 4'd0) ? 4'd0 : (number_q > 4'd9) ? 4'd8 : number_q - 4'd1;
+  wire [3:0] f_stop = has_parity ? 4'd10 : 4'd9;
+  wire [3:0] f_behind = ten_bits ? 4'd10 : 4'd11;
+  reg        f_settled = 1'b0;       // the number has stood for two clocks: the registers behind it know
+  always @(posedge clk_i) f_settled <= ~(bit_stb | begin_char | begin_stb_o);
+  reg        f_young = 1'b1;         // a clock behind a change of the number
+  always @(posedge clk_i) f_young <= bit_stb | begin_char | begin_stb_o | rst_i;
+
+  always @* begin
+    f_sent_parity = is_odd;
+    for (f_i = 0; f_i < 8; f_i = f_i + 1) if (f_i + 1 < number_q) f_sent_parity = f_sent_parity ^ f_data[f_i];
+  end
+
+  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
+    // What is known of the number, a clock later
+    if (!f_young && (state_q == ST_BITS || sends_q)) begin
+      assert (is_parity_q == (has_parity && number_q == 4'd9));
+      assert (is_stop_q == (number_q >= f_stop));
+      assert (is_behind_q == (number_q == f_behind) || !sends_q);
+    end
+    // Receiving
+    if (state_q == ST_BITS) begin
+      assert (number_q <= f_stop);
+      if (number_q == 4'd0) assert (decided_q);
+      if (!start_stb_o && !bit_stb_q)
+        assert (f_bits == f_number_bits + ((decided_q && number_q != 4'd0 && number_q < 4'd9) ? 4'd1 : 4'd0));
+    end
+    if (state_q == ST_START) assert (number_q == 4'd0 && !decided_q);
+    if (char_stb_o) assert (f_bits == 4'd8);                         // never a shorter or longer one
+    if (char_stb_o) assert (framing_error_o ? state_q == ST_BREAK || !receiving_o : !receiving_o || state_q == ST_BREAK);
+    assert (!(start_stb_o && char_stb_o));
+    if (!$past(enable_i)) assert (!receiving_o && !start_stb_o && !char_stb_o);   // deaf
+    // A spike is nobody's business: a character on the line is told of only from a confirmed start bit on.
+    if (receiving_o && !$past(receiving_o)) assert ($past(confirm) && start_stb_o);
+    // Sending
+    assert (check_q == f_check || !sends_q);
+    assert (!(sends_q && state_q != ST_IDLE));
+    if (!sends_q) assert (txd_o);                                    // rests at 1
+    if (sends_q) begin
+      assert (number_q >= 4'd1 && number_q <= f_behind);
+      if (number_q == 4'd1) assert (!txd_o);                         // start bit
+      if (!f_check && number_q < 4'd10) begin
+        assert ((data_q & (8'hFF >> (number_q - 4'd1))) == (f_data >> (number_q - 4'd1)));
+        assert (parity_q == f_sent_parity);
+        if (number_q != 4'd1) assert (txd_o == f_data[number_q - 4'd2]);
+      end
+      if (!f_check && number_q == 4'd10 && has_parity) assert (txd_o == (^f_data ^ is_odd));
+      if (number_q > 4'd10 || (number_q == 4'd10 && !has_parity)) assert (txd_o);   // stop bits
+    end
+    if ($past(take)) assert (sends_q && number_q == 4'd1);
+    cover (char_stb_o && data_o == 8'hA5 && !framing_error_o && !parity_error_o);
+    cover (char_stb_o && framing_error_o);
+    cover (state_q == ST_IDLE && $past(state_q) == ST_START);        // a spike
+    // Back to back: the stop bit of one is followed by the start bit of the next.
+    cover (sends_q && number_q == 4'd1 && $past(sends_q) && f_data == 8'hA5);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire
