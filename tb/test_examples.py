@@ -6,7 +6,8 @@ import re
 
 import pytest
 from harness.runner import ROOT
-from test_parameters import DERIVED, elaborate, header
+from interface import DERIVED, header
+from test_parameters import elaborate
 
 PDM, USER = "modbus_pdm_meter", "modbus_example_user"
 

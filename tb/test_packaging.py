@@ -15,14 +15,15 @@ from pathlib import Path
 
 import pytest
 from harness.runner import ROOT
-from test_parameters import documented, header
+from interface import header
+from test_parameters import documented
 
 STUBS = ROOT / "tb" / "packaging"
 VIVADO = "constraints/vivado/package_ip.tcl"
 QUARTUS = "constraints/quartus/modbus_rtu_slave.qip"
 CORE = "modbus_rtu_slave.core"
 IPS = ("modbus_rtu_slave", "modbus_axil_slave")
-CONNECTED = {"clk_i", "rst_i", "rxd_i", "address_i", "bit_time_i"}  # inputs without an idle value
+CONNECTED = {"clk_i", "rst_i", "rxd_i"}  # inputs without an idle value
 INCLUDES = ("rtl/include", "rtl/engine")
 BOARDS = ("icebreaker", "hx8k", "ulx3s", "tangnano9k", "arty_a7", "de10_lite")
 
@@ -201,6 +202,12 @@ def test_core_names_files_that_exist():
     assert [path for path in listed if not (ROOT / path).is_file()] == []
 
 
+def test_core_has_the_vhdl_package_for_those_who_ask():
+    """In a fileset of its own, which the default target takes with the flag modbus_vhdl."""
+    assert [path for path, _ in filesets(ROOT)["vhdl"]] == present(ROOT, ".vhd")
+    assert '"modbus_vhdl? (vhdl)"' in targets(ROOT)["default"]
+
+
 @pytest.mark.parametrize("board", BOARDS)
 def test_core_has_a_target_for_the_board(board):
     """With the RTL, what all boards share, its top, its constraints, and nothing of another board."""
@@ -318,7 +325,7 @@ MISTAKES = {
     "an unknown option": ("-root_dir", "-rootdir", "unknown option"),
     "an unknown property": ("set_property tooltip", "set_property tip", "no tip of"),
     "a parameter that is not there": ("  MAX_READ_BITS ", "  MAX_READ_BIT ", "no parameter MAX_READ_BIT"),
-    "a port that is not there": ("busy_i 0", "busi_i 0", "no port busi_i"),
+    "a port that is not there": ("host_we_i 0", "host_ve_i 0", "no port host_ve_i"),
     "a property before packaging": ("ipx::package_project", "#", "nothing is packaged"),
     "a project left open": ("close_project\n", "", "a project is open"),
     "a variable that is not set": ("$out $vendor", "$out $seller", 'can\'t read "seller"'),

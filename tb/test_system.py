@@ -133,6 +133,8 @@ SEGMENTS = {
         server_id=bytes(range(0xF0, 0x100)),
         additional_data=bytes(range(234)),
     ),
+    # the longest answer of 11H
+    "identity_longest": identity(objects={0: 1}, server_id=b"\x11", additional_data=bytes(range(1, 250))),
     # the first three end at the limit
     "identity_small": identity(objects={0: 8, 1: 8, 2: 2, 3: 1, 4: 9, 6: 18}, conformity=0x82, device_id_limit=31),
 }
@@ -172,10 +174,12 @@ LEFT_OUT_TESTS = {
 
 # name: (top, parameters, cocotb modules, names of cocotb tests or None for all)
 SUITES = {
-    "power_up": (SLAVE, FAST, "power_up", None),
+    "power_up": (SLAVE, FAST, "power_up", "without_a_reset"),
+    "power_up_io": (IO, NO_FLOORS, "power_up", "without_a_reset"),
+    "power_up_short_05": (SLAVE, FAST, "power_up", "short/pdu=0$"),
+    "power_up_short_15": (SLAVE, FAST, "power_up", "short/pdu=1$"),
     "smoke": (SLAVE, FAST, "smoke", None),
     "smoke_io": (IO, IO_MAPPED, "smoke", None),
-    "power_up_io": (IO, NO_FLOORS, "power_up", None),
     "vectors": (SLAVE, FAST, "vectors_at_pins", None),
     "vectors_meter": (SLAVE, METER, "vectors_at_pins", None),
     "vectors_984": (SLAVE, example("S000-FIG32-33-984"), "vectors_at_pins", None),

@@ -27,13 +27,24 @@ set title(modbus_axil_slave) "AXI4-Lite port of the Modbus RTU slave"
 set text(modbus_axil_slave) "AXI4-Lite in front of the host port of the Modbus RTU slave"
 
 # Parameters: name, least, most (both empty: no range that a number can tell), meaning.
-# docs/parameters.md is the long form; what depends on another parameter is judged at elaboration.
+# docs/parameters.md is the long form; rules over two parameters are checked at elaboration.
 set parameters(modbus_rtu_slave) {
   CLK_HZ                1000 1000000000 "Frequency of clk_i in hertz"
+  ADDRESS               0    247        "Slave address; 0: only broadcasts are obeyed"
+  BAUD                  {}   {}         "Bits per second, CLK_HZ / 65535 to CLK_HZ / 8"
+  FORMAT                0    3          "Characters: 0 8E1, 1 8O1, 2 8N2, 3 8N1"
+  BROADCAST             0    1          "1: frames to address 0 are obeyed"
+  GAP_COUNT_ONLY        0    1          "1: a gap above t1.5 inside a frame is only reported, 0: it spoils the frame"
+  STRICT_TURNAROUND     0    1          "1: t3.5 of silence behind the own answer before the next request is heard"
+  DROP_LATE             0    1          "1: no answer if the line was heard since the request"
+  RESPONSE_DELAY        0    4095       "Bit times before the answer, beside t3.5"
+  STALL_LIMIT           0    65535      "Bit times that the host may hold the memory; 0: for ever"
+  DE_LEAD               0    15         "Bit times from driver enable to the first start bit"
+  DE_TAIL               0    15         "Bit times from the last stop bit to driver off"
   T15_MIN_US            0    100000     "Floor of t1.5 in microseconds, not above that of t3.5; 0: none"
   T35_MIN_US            0    100000     "Floor of t3.5 in microseconds; 0: none"
   FUNCTION_CODES        {}   {}         "Bit n: function code n is built in"
-  USER_CODES            {}   {}         "Bit n: function code n is offered to the user port first"
+  USER_CODES            {}   {}         "Leave at 0: the drop-in has no user port"
   MAX_READ_BITS         1    2000       "Highest quantity of function codes 01 and 02"
   MAX_WRITE_BITS        1    1968       "Highest quantity of function code 0F"
   MAX_READ_REGISTERS    1    125        "Highest quantity of function codes 03 and 04"
@@ -50,6 +61,8 @@ set parameters(modbus_rtu_slave) {
   HOLDING_COUNT         0    65536      "Number of holding registers; 0: no such table"
   READ_ONLY_BASE        0    65535      "First holding register that the line must not write"
   READ_ONLY_COUNT       0    65536      "How many holding registers the line must not write"
+  HOST_MAP              0    1          "1: counters, event log and settings are space 5 of the host port"
+  HOST_SETTINGS         0    1          "1: the host changes the settings at run time"
   FILE_COUNT            0    65535      "Files of function codes 14 and 15; 0: none"
   FILE_RECORDS          1    10000      "Records of each file, 16 bits a record"
   OVERLAY               0    1          "1: one block of holding registers, also seen as bits and input registers"
@@ -73,14 +86,10 @@ set parameters(modbus_axil_slave) {
   HOLD                  0    1          "1: the word HOLD keeps the memory between accesses"
 }
 
-# What an input reads in a block design that leaves it open.  Clock, reset, receiver, address and bit time have none:
-# they must be connected.
+# What an input reads in a block design that leaves it open.  Clock, reset and receiver have no such value: they must be
+# connected.
 set idle(modbus_rtu_slave) {
-  format_i 0 broadcast_en_i 1 gap_count_only_i 0 strict_turnaround_i 0 response_delay_i 0 stall_limit_i 0
-  de_lead_i 0 de_tail_i 0 busy_i 0 failure_i 0 exception_status_i 0 run_indicator_i 1 diagnostic_i 0 write_lock_i 0
   host_cyc_i 0 host_stb_i 0 host_we_i 0 host_adr_i 0 host_dat_i 0
-  user_adr_i 0 user_put_i 0 user_dat_i 0 user_done_i 0 user_pass_i 0 user_exception_i 0
-  counter_stb_i 0 counter_adr_i 0
 }
 set idle(modbus_axil_slave) {}
 

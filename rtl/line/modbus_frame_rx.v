@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_frame_rx - the line state machine: cuts characters into frames by silence and judges each.
+// modbus_frame_rx - the state machine of the line: cuts characters into frames by silence and judges each frame.
 //
 // MODBUS over Serial Line V1.02, figure 14, completed: a frame is what lies between two silences of t3.5.  It is good
 // when every character was, no gap inside passed t1.5, it has 4..256 bytes and the CRC remainder is zero.
 // Bad frames are dropped whole; nothing in them is looked at.  With gap_count_only_i a gap above t1.5 is reported
-// and the frame goes on.  A good frame is for us if its address byte is ours (1..247) or, with broadcast_en_i, 0; a
-// foreign one is only told of, a clock after t3.5.
+// and the frame goes on.  A good frame is for us if its address byte is ours (1..247) or, with broadcast_en_i, 0.  A
+// good frame for another slave only raises foreign_stb_o.
 //
-// good_stb_o starts the work on a frame for us; until done_stb_i characters on the line are ignored (err_overrun_o: a
-// master did not wait).  Behind an answer the next request may follow at once, or with strict_i only after t3.5; behind
-// a silent end only characters heard meanwhile make it wait for t3.5.  The other error strobes rise with the verdict, all that apply; CRC only when
-// nothing else explains it.
+// good_stb_o starts the work on a frame for us.  Until the work is done characters on the line are not received, only
+// noted (err_overrun_o at the end: a master did not wait).  The work ends with quiet_i (no answer), sent_i or
+// dropped_i.  Behind an answer the next request may follow at once, or with strict_i after t3.5; behind a silent end
+// only noted characters make it wait for t3.5.
+// While sending_i is high this module stays in its work, so nothing is ever received while we drive the line: send_i
+// is passed on as send_stb_o during the work alone, and quiet_i and restart_i wait for nothing and are ignored then.
+//
+// The other error strobes rise with the verdict, all that apply; CRC only when nothing else explains it.
 
 `default_nettype none
 
@@ -21,6 +25,7 @@ module modbus_frame_rx (
   input  wire       rst_i,
   input  wire       gap_count_only_i,
   input  wire       strict_i,        // level : strict turnaround
+  input  wire       drop_late_i,     // level : no answer once the line was heard
   input  wire [7:0] address_i,
   input  wire       broadcast_en_i,
 
@@ -43,11 +48,20 @@ module modbus_frame_rx (
   // Verdict
   output wire       good_stb_o,      // strobe: good frame for us complete, t3.5 has passed
   output wire       broadcast_o,     // level : with good_stb_o, it is for all
-  output wire       foreign_stb_o,   // strobe: good frame for somebody else
-  output wire       bad_stb_o,       // strobe: bad one
+  output wire       foreign_stb_o,   // strobe: good frame for another slave
+  output wire       bad_stb_o,       // strobe: bad frame
+
+  // What becomes of a frame for us
+  input  wire       send_i,          // strobe: there is an answer
+  output wire       send_stb_o,      // strobe: send it
+  output wire       drop_o,          // level : it comes too late
+  input  wire       sending_i,       // level : it is on its way
+  input  wire       sent_i,          // strobe: it was sent
+  input  wire       dropped_i,       // strobe: it was given up
+  input  wire       quiet_i,         // strobe: there is none
   input  wire       restart_i,       // strobe: silence of t3.5 before anything is heard again
-  input  wire       done_stb_i,      // strobe: the frame was dealt with
-  input  wire       answered_i,      // level : with done_stb_i, an answer was sent
+
+  output wire       idle_o,          // level : no frame is received or worked on
   output wire       active_o,        // level : a frame is being received
 
   output wire       err_parity_o,
@@ -63,7 +77,7 @@ module modbus_frame_rx (
 
   reg [1:0] state_q = ST_INITIAL, state_d;
   reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
-  reg       heard_q = 1'b0;          // a character came while we worked
+  reg       heard_q = 1'b0;          // a character came during the work
   reg       store_q = 1'b0;
   // The frame is good: cursor to its first byte, look at that, decide whose it is; a clock each
   reg       look_q = 1'b0, check_q = 1'b0, decide_q = 1'b0;
@@ -82,8 +96,12 @@ module modbus_frame_rx (
   wire for_all   = none & broadcast_en_i;
   wire for_us    = for_all | ((byte_i == address_i) & ~none & (address_i[7:3] != 5'h1F));
 
-  // The next frame may begin while somebody else's is still being looked at.
+  // The next frame may begin while the address of a foreign one is still being looked at.
   wire foreign = decide_q & ~for_us_q;
+  wire judging = look_q | check_q | decide_q;
+  wire work    = (state_q == ST_WORK) & ~judging;
+  wire silent_end = dropped_i | (quiet_i & ~sending_i & ~send_i);
+  wire done    = work & (sent_i | silent_end);
 
   assign open_stb_o  = ((state_q == ST_IDLE) & start_stb_i) | (foreign & heard);
   assign store_stb_o = store_q;
@@ -97,10 +115,10 @@ module modbus_frame_rx (
       ST_IDLE: if (start_stb_i) state_d = ST_RECEPTION;
       // Characters of one frame, until t3.5 of silence.
       ST_RECEPTION: if (verdict) state_d = good ? ST_WORK : ST_IDLE;
-      // The frame is worked on and answered; first of all, whose is it?
+      // The address is compared; then the frame is worked on and answered.
       ST_WORK: begin
-        if (foreign)         state_d = heard ? ST_RECEPTION : ST_IDLE;
-        else if (done_stb_i) state_d = (answered_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
+        if (foreign)   state_d = heard ? ST_RECEPTION : ST_IDLE;
+        else if (done) state_d = (sent_i ? strict_i : heard) ? ST_INITIAL : ST_IDLE;
       end
     endcase
   end
@@ -127,7 +145,7 @@ module modbus_frame_rx (
         long_q    <= long_q    | (full & ~spoiled);     // what follows a gap is not looked at
       end
     end
-    if (rst_i || restart_i) state_q <= ST_INITIAL;
+    if (rst_i || (restart_i && !sending_i && !send_stb_o)) state_q <= ST_INITIAL;
   end
 
   assign look_stb_o    = look_q;
@@ -135,10 +153,13 @@ module modbus_frame_rx (
   assign broadcast_o   = for_all_q;
   assign foreign_stb_o = foreign;
   assign bad_stb_o     = verdict & ~good;
+  assign send_stb_o    = work & send_i & ~sending_i;
+  assign drop_o        = drop_late_i & heard_q;
+  assign idle_o        = ~state_q[1];
   assign active_o      = reception;
   assign err_parity_o  = verdict & parity_q;
   assign err_framing_o = verdict & framing_q;
-  assign err_overrun_o = (state_q == ST_WORK) & done_stb_i & heard;
+  assign err_overrun_o = done & heard;
   assign err_crc_o     = verdict & ~broken & ~crc_zero_i;
   assign err_short_o   = verdict & is_short;
   assign err_long_o    = verdict & long_q;
@@ -167,7 +188,9 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
-    if (good || look_q || check_q || decide_q || $past(decide_q)) assume (!restart_i && !done_stb_i);   // nothing is under way then
+    if (!sending_i) assume (!sent_i && !dropped_i);            // of an answer on its way
+    if ($past(send_stb_o)) assume (sending_i || dropped_i);     // send_stb_o begins one, sent_i or dropped_i ends it
+    else assume (!sending_i || $past(sending_i && !sent_i && !dropped_i));
   end
 
   always @(posedge clk_i) if (f_past) begin
@@ -188,7 +211,10 @@ module modbus_frame_rx (
     if (decide_q) assert (good_stb_o != foreign_stb_o);
     if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247));
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
-    if ($past(good_stb_o) && !$past(rst_i | restart_i | done_stb_i)) assert (state_q == ST_WORK);
+    if (sending_i && !$past(rst_i)) assert (state_q == ST_WORK);    // stays in its work while an answer is on its way
+    if (send_stb_o) assert (state_q == ST_WORK && !judging);
+    if (drop_o) assert (drop_late_i && heard_q);
+    if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
     if (state_q == ST_WORK) assert (!store_stb_o && (!open_stb_o || foreign_stb_o) && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_line_timer - measures silence on the line: t1.5 and t3.5.
+// modbus_line_timer - measures silence (t1.5, t3.5) and the waits of the answer, in bit times.
 //
-// t1.5 and t3.5 are the later of 1.5 / 3.5 character times and a floor in clocks, which gives the character times
-// up to 19200 baud and the fixed 750 / 1750 us above (MODBUS over Serial Line V1.02, clause 2.5.1.1).
-// Silence counts from the end of the last stop bit.  busy_i falls when the receiver decides the first stop bit,
-// half a bit earlier (with a second stop bit one and a half): those quarters are counted off first,
-// so that nothing ends early.  Resolution: a quarter bit for the character times, a clock for the floors.
+// Its bit clock is its own.  A spike does not reach this module, so it can neither stop a wait nor stretch a silence.
+//
+// Silence.  t1.5 and t3.5 are the later of 1.5 / 3.5 character times and a floor in clocks.  That gives the character
+// times up to 19200 baud and the fixed 750 / 1750 us above (MODBUS over Serial Line V1.02, clause 2.5.1.1).
+//   Silence counts from the end of the last stop bit.  receiving_i falls when the first stop bit is decided, half a bit
+//   earlier, with a second stop bit one and a half: those halves are counted off first, so that nothing ends early.
+//   Behind reset, restart_i and our own characters there is nothing to count off.
+//   Resolution: half a bit for the character times, a clock for the floors.
+//
+// Waits.  While wait_clear_i is low bits are counted; wait_over_o rises a clock behind the last of wait_limit_i.
+//   wait_stb_i begins a whole bit, so that the wait is not a part of one short.  A wait that runs is not disturbed by
+//   characters; a silence during one may be measured half a bit short.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -16,14 +23,24 @@ module modbus_line_timer #(
   parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
   parameter integer T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
 ) (
-  input  wire       clk_i,
-  input  wire       rst_i,
-  input  wire [1:0] format_i,
-  input  wire       quarter_stb_i,
+  input  wire        clk_i,
+  input  wire        rst_i,
+  input  wire [15:0] bit_time_i,
+  input  wire [1:0]  format_i,
 
-  input  wire       busy_i,         // level : a character is on the line, or we drive it
-  output wire       t15_o,          // level : silent for t1.5; still valid in the first clock of busy_i
-  output wire       t35_o           // level : silent for t3.5
+  // Silence
+  input  wire        receiving_i,    // level : a character is on the line
+  input  wire        sending_i,      // level : we put one onto it
+  input  wire        restart_i,      // strobe: silence counts anew
+  output wire        t15_o,          // level : silent for t1.5; still valid in the first clock of receiving_i
+  output wire        t35_o,          // level : silent for t3.5
+
+  // Waits
+  input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
+  input  wire        wait_clear_i,   // level : nothing is waited for
+  input  wire [15:0] wait_limit_i,   // bit times
+  input  wire        wait_short_i,   // level : only the low four bits of the limit count
+  output wire        wait_over_o     // level : the limit is reached; with limit 0 a clock behind wait_clear_i
 );
 
   generate
@@ -32,26 +49,40 @@ module modbus_line_timer #(
     end
   endgenerate
 
-  // Quarters from the middle of the first stop bit to the end of the last, then to t1.5 and t3.5.
-  localparam [7:0] REST_1 = 8'd2,  REST_2 = 8'd6;
-  localparam [7:0] T15_11 = 8'd66, T15_10 = 8'd60;
-  localparam [7:0] T35_11 = 8'd154, T35_10 = 8'd140;
+  // Halves of a bit: in t1.5 and t3.5, and from the middle of the first stop bit to the end of the last
+  localparam [6:0] T15_11 = 7'd33, T15_10 = 7'd30, T35_11 = 7'd77, T35_10 = 7'd70;
+  localparam [6:0] REST_1 = 7'd1, REST_2 = 7'd3;
 
-  wire two_stops = (format_i == `MB_FORMAT_8N2);
-  wire ten_bits  = (format_i == `MB_FORMAT_8N1);
-  wire [7:0] t15  = two_stops ? REST_2 + T15_11 : ten_bits ? REST_1 + T15_10 : REST_1 + T15_11;
-  wire [7:0] t35  = two_stops ? REST_2 + T35_11 : ten_bits ? REST_1 + T35_10 : REST_1 + T35_11;
+  wire [6:0] t15 = (format_i == `MB_FORMAT_8N1) ? T15_10 : T15_11;
+  wire [6:0] t35 = (format_i == `MB_FORMAT_8N1) ? T35_10 : T35_11;
 
-  reg [7:0] quarters_q = 8'd0;
-  reg       t15_chars_q = 1'b0, t35_chars_q = 1'b0;
+  wire       quarter_stb, bit_stb;
+  wire [1:0] quarter;
+  wire       half_stb = quarter_stb & quarter[0];
+  wire       unused   = quarter[1];
+
+  // Silence begins with a whole bit.
+  modbus_bit_clock u_bit_clock (
+    .clk_i(clk_i), .bit_time_i(bit_time_i),
+    .restart_i(rst_i | restart_i | sending_i | wait_stb_i | (receiving_i & wait_clear_i)),
+    .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
+  );
+
+  // ------------------------------------------------------------------ silence
+
+  reg  [6:0] halves_q = 7'd0;        // halves of silence; negative in the rest of the stop bits
+  reg        t15_chars_q = 1'b0, t35_chars_q = 1'b0;
+
+  wire       busy   = rst_i | restart_i | sending_i | receiving_i;
+  wire       rest   = &halves_q[6:5];
+  wire [6:0] behind = -((format_i == `MB_FORMAT_8N2) ? REST_2 : REST_1);   // a received character
 
   always @(posedge clk_i) begin
-    // Counting up from 0, the first number with all the bits of the limit is the limit itself.
-    if (&(quarters_q | ~t15)) t15_chars_q <= 1'b1;
-    if (&(quarters_q | ~t35)) t35_chars_q <= 1'b1;
-    if (quarter_stb_i && !t35_chars_q) quarters_q <= quarters_q + 8'd1;
-    if (rst_i || busy_i) begin
-      quarters_q  <= 8'd0;
+    if (halves_q == t15) t15_chars_q <= 1'b1;
+    if (halves_q == t35) t35_chars_q <= 1'b1;
+    if (half_stb && !t35_chars_q) halves_q <= halves_q + 7'd1;
+    if (busy) begin
+      halves_q    <= receiving_i ? behind : 7'd0;
       t15_chars_q <= 1'b0;
       t35_chars_q <= 1'b0;
     end
@@ -66,62 +97,102 @@ module modbus_line_timer #(
     end else begin : gen_floor
       localparam W = $clog2(T35_CLOCKS + 1);
       reg [W-1:0] clocks_q = {W{1'b0}};
-      reg         rest_q = 1'b0, t15_q = 1'b0, t35_q = 1'b0;
+      reg         t15_q = 1'b0, t35_q = 1'b0;
       always @(posedge clk_i) begin
-        rest_q <= (rest_q | t35_chars_q | (quarters_q == (two_stops ? REST_2 : REST_1))) & ~rst_i & ~busy_i;
         if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
         if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
         clocks_q <= clocks_q + 1'b1;
-        if (!rest_q) begin
+        if (busy || rest) begin
           clocks_q <= {W{1'b0}};
           t15_q    <= 1'b0;
           t35_q    <= 1'b0;
         end
       end
-`ifdef FORMAL
-      always @(posedge clk_i) begin
-        assert (!rest_q || !t15_q || f_clocks > T15_CLOCKS);
-        assert (!rest_q || !t35_q || f_clocks > T35_CLOCKS);
-      end
-`endif
       assign t15_floor = t15_q;
       assign t35_floor = t35_q;
     end
   endgenerate
 
   assign t15_o = t15_chars_q & t15_floor;
-  assign t35_o = t35_chars_q & t35_floor & ~busy_i;
+  assign t35_o = t35_chars_q & t35_floor & ~receiving_i & ~sending_i;
+
+  // ------------------------------------------------------------------ waits
+
+  reg  [15:0] bits_q = 16'd0;
+  reg         over_q = 1'b0;         // in a register: the comparison is long
+  // Counting up from 0, the first number with all the bits of the limit is the limit itself.  A limit tied to 0 leaves
+  // nothing of the counter.
+  wire        over   = &(bits_q[3:0] | ~wait_limit_i[3:0]) & (wait_short_i | &(bits_q[15:4] | ~wait_limit_i[15:4]));
+
+  always @(posedge clk_i) begin
+    over_q <= over & ~wait_clear_i;
+    if (wait_clear_i)            bits_q <= 16'd0;
+    else if (bit_stb && !over_q) bits_q <= bits_q + 16'd1;
+  end
+
+  assign wait_over_o = over_q;
 
 `ifdef FORMAL
-  reg       f_past = 1'b0;
-  reg [8:0] f_quarters = 9'd0;       // quarters of silence, the rest of the stop bits included
-  reg [15:0] f_clocks = 16'd0;       // clocks of silence, likewise
+  // The bit clock is cut off: whatever it does, t1.5 and t3.5 are so many of its half bits, and floors in clocks,
+  // neither early nor late.
+  reg        f_past = 1'b0;
+  reg [7:0]  f_halves = 8'd0;        // half bits since the line was busy
+  reg [15:0] f_clocks = 16'd0;       // clocks of silence behind the last stop bit
+  reg [7:0]  f_rest = 8'd0;          // half bits of the stop bits
+  wire       f_silent = (f_halves >= f_rest);
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
-    if (rst_i || busy_i) begin
-      f_quarters <= 9'd0;
-      f_clocks   <= 16'd0;
+    if (busy) begin
+      f_halves <= 8'd0;
+      f_clocks <= 16'd0;
+      f_rest   <= !receiving_i ? 8'd0 : (format_i == `MB_FORMAT_8N2) ? 8'd3 : 8'd1;
     end else begin
-      if (quarter_stb_i && !(&f_quarters)) f_quarters <= f_quarters + 9'd1;
-      if (!(&f_clocks)) f_clocks <= f_clocks + 16'd1;
+      if (half_stb && f_halves != 8'hFF) f_halves <= f_halves + 8'd1;
+      if (f_silent && f_clocks != 16'hFFFF) f_clocks <= f_clocks + 16'd1;
     end
   end
 
   always @* if (!f_past) assume (rst_i);
-  always @(posedge clk_i) if (f_past) assume ($stable(format_i));
+  always @(posedge clk_i) if (f_past) begin
+    assume ($stable(format_i));
+    assume (!quarter_stb || !$past(quarter_stb));
+  end
 
   always @(posedge clk_i) if (f_past) begin
-    assert (quarters_q <= t35 + 8'd1);
-    assert (f_quarters >= {1'b0, quarters_q});
-    assert (!t15_chars_q || quarters_q >= t15);
-    assert (!t35_chars_q || quarters_q >= t35);
-    if (!$past(rst_i) && !$past(busy_i)) begin
-      if (t15_o) assert (f_quarters >= {1'b0, t15} && f_clocks > T15_CLOCKS);     // never early
-      if (t35_o) assert (f_quarters >= {1'b0, t35} && f_clocks > T35_CLOCKS);
+    // What makes the rest hold from clock to clock
+    assert (t35_chars_q || {halves_q[6], halves_q} + f_rest == f_halves || f_halves == 8'hFF);
+    assert (f_halves != 8'hFF || t35_chars_q);
+    assert (halves_q <= t35 + 7'd1 || halves_q >= 7'd125);
+    assert (rest == (f_halves < f_rest));
+    assert (!t15_chars_q || f_halves >= {1'b0, t15} + f_rest);
+    assert (!t35_chars_q || f_halves >= {1'b0, t35} + f_rest);
+    if (!$past(busy) && !busy) begin
+      if (t15_o) assert (f_halves >= {1'b0, t15} + f_rest && f_clocks > T15_CLOCKS);     // never early
+      if (t35_o) assert (f_halves >= {1'b0, t35} + f_rest && f_clocks > T35_CLOCKS);
+      // never more than two clocks late
+      if (f_halves > {1'b0, t15} + f_rest && f_clocks > T15_CLOCKS + 1) assert (t15_o);
+      if (f_halves > {1'b0, t35} + f_rest && f_clocks > T35_CLOCKS + 1) assert (t35_o);
     end
-    if (busy_i) assert (!t35_o);
+    if (receiving_i || sending_i) assert (!t35_o);
+    if ($past(busy)) assert (halves_q == 7'd0 || rest);
     cover (t35_o && t15_o);
+  end
+
+  // Waits: exactly so many bits
+  reg [15:0] f_bits = 16'd0;
+  always @(posedge clk_i) if (wait_clear_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
+  wire [15:0] f_limit = wait_short_i ? {12'd0, wait_limit_i[3:0]} : wait_limit_i;
+  always @(posedge clk_i) if (f_past) begin
+    assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
+    assume (bit_stb == (quarter_stb && quarter == 2'd3));
+    if (!$past(wait_clear_i)) begin
+      assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);
+      assert (f_bits >= bits_q && bits_q <= f_limit + 16'd1);
+      if (wait_over_o && !wait_clear_i) assert (f_bits >= f_limit);
+      if ($past(f_bits) >= $past(f_limit) && !$past(wait_clear_i)) assert (wait_over_o);
+    end
+    cover (wait_over_o && f_limit == 16'd2);
   end
 `endif
 

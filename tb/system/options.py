@@ -187,12 +187,14 @@ async def host_and_line_share_the_memory_without_tearing(dut):
 @cocotb.test()
 async def core_waits_for_a_host_that_keeps_the_bus(dut):
     tb = await Bench.start(dut)
+    base, _ = tb.slave.config.tables[Space.HOLDINGS]
+    request = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, base, 1))
     dut.host_cyc_i.value = 1
-    await tb.line.send(READ)
+    await tb.line.send(request)
     assert await tb.line.answer(tb.t35 + 2000 * tb.bit) is None, "answered without the bus"
     dut.host_cyc_i.value = 0
     answer = await tb.line.answer(400 * tb.bit)
-    assert answer and answer.data == tb.slave.request(READ), f"seen {answer}"
+    assert answer and answer.data == tb.slave.request(request), f"seen {answer}"
     await tb.finish()
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Receiver: characters in every format, errors, breaks, false starts, spikes, the deaf receiver."""
+"""modbus_uart receiving: characters in every format, errors, breaks, false starts, spikes, the deaf receiver."""
 
 import cocotb
 from cocotb.triggers import Timer
@@ -91,7 +91,7 @@ async def break_is_one_character(dut, fmt, bits):
     await rx.play([(0, 0), (bits * rx.bit, 1)], (bits + 0.4) * rx.bit)
     ((data, _, framing),) = rx.take()
     assert (data, framing) == (0, 1)
-    assert int(dut.busy_o.value) == 0
+    assert int(dut.receiving_o.value) == 0
     await rx.send(b"\x5a")
     assert rx.take() == [(0x5A, 0, 0)]
 
@@ -102,11 +102,11 @@ async def busy_covers_break_and_character(dut):
     dut.rxd_i.value = 0
     await Timer(2 * rx.bit, "ps")
     for _ in range(30):
-        assert int(dut.busy_o.value) == 1
+        assert int(dut.receiving_o.value) == 1
         await Timer(rx.bit, "ps")
     dut.rxd_i.value = 1
     await Timer(rx.bit, "ps")
-    assert int(dut.busy_o.value) == 0
+    assert int(dut.receiving_o.value) == 0
 
 
 @cocotb.test()
@@ -117,7 +117,7 @@ async def low_below_half_a_bit_is_no_start(dut, bit_time):
         await Timer(rx.rng.randrange(1, rx.bit), "ps")
         await rx.play([(0, 0), (rx.bit * percent // 100, 1)], 2 * rx.bit)
         assert not rx.take() and not rx.starts, f"low for {percent} % of a bit"
-        assert int(dut.busy_o.value) == 0
+        assert int(dut.receiving_o.value) == 0
     await rx.send(b"\x81")
     assert rx.take() == [(0x81, 0, 0)]
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Transmitter with CRC unit: exact bits, no gap between characters, the check sends itself."""
+"""modbus_uart sending, with the CRC unit: exact bits, no gap between characters, the check sends itself."""
 
 import cocotb
 from cocotb.triggers import Timer

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_line - the line side of the core: from the pins to judged frames, and from an answer to the pins.
+//
+//   rxd_i -> modbus_sync -> modbus_uart -> modbus_frame_rx -> frame_o, ram_do_o, rx_byte_o
+//   frame_byte_i, verdict_i -> modbus_frame_tx -> modbus_uart -> txd_o, de_o
+//
+// modbus_line_timer measures silence and waits, modbus_crc16 sees each data bit that passes, either way.
+//
+// A frame for us (frame_o, MB_FRAME_GOOD) stays the engine's until it gives a verdict: SEND, then count_i bytes
+// from the cursor on are the answer, or QUIET.  sending_o rises a clock behind SEND and falls when the last stop bit and
+// the driver tail have passed; the engine may give QUIET before, it is then ignored.  With MB_SET_DROP_LATE an answer
+// is given up if a character came since the request: sending_o falls before the driver is on.
+// RESTART is obeyed while nothing is sent.  Nothing is received while de_o is high.
+
+`default_nettype none
+`include "modbus_defs.vh"
+
+module modbus_line #(
+  parameter integer CLK_HZ     = 50000000,   // clk_i in hertz
+  parameter integer T15_MIN_US = 750,        // floor of t1.5 in microseconds, 0: none
+  parameter integer T35_MIN_US = 1750        // floor of t3.5 in microseconds, 0: none
+) (
+  input  wire        clk_i,
+  input  wire        rst_i,                  // synchronous, active high
+
+  // Line
+  input  wire        rxd_i,                  // asynchronous, idle 1
+  output wire        txd_o,                  // idle 1
+  output wire        de_o,                   // driver enable, active high
+
+  input  wire [`MB_SETTINGS_WIDTH-1:0] settings_i,   // fields MB_SET_*
+
+  // Frames to the engine
+  output wire [`MB_FRAME_WIDTH-1:0]   frame_o,       // bits MB_FRAME_*
+  output wire [`MB_RAM_WIDTH-1:0]     ram_do_o,      // strobes MB_RAM_*
+  output wire [7:0]  rx_byte_o,              // level : the received byte, with MB_RAM_STORE
+  output wire        rx_active_o,            // level : a frame is being received
+
+  // Answers from the engine
+  input  wire [7:0]  frame_byte_i,           // level : the byte under the cursor of the frame RAM
+  input  wire [8:0]  count_i,                // level : bytes of the frame, or left to send
+  input  wire [`MB_VERDICT_WIDTH-1:0] verdict_i,     // strobes MB_VERDICT_*
+  output wire        sending_o,              // level : an answer is on its way
+
+  // A bank's time
+  input  wire        bank_waits_i,           // level : the bank or the user owes an answer
+  output wire        stall_o,                // level : for longer than the stall limit
+
+  output wire [`MB_EVENTS_WIDTH-1:0]  events_o,      // strobes MB_EVENT_*
+  output wire        idle_o                  // level : nothing is received, worked on or sent: settings may change
+);
+
+  generate
+    if (CLK_HZ < 1000 || CLK_HZ > 1000000000) begin : gen_clock
+      ERROR_modbus_CLK_HZ_from_1000_to_1000000000 illegal_parameter ();
+    end
+    if (T15_MIN_US < 0 || T35_MIN_US < T15_MIN_US || T35_MIN_US > 100000) begin : gen_floors
+      ERROR_modbus_T35_MIN_US_from_T15_MIN_US_to_100000 illegal_parameter ();
+    end
+  endgenerate
+
+  // Microseconds to clocks, rounded up to the next kilohertz and clock; no term passes 32 bits.
+  localparam integer KHZ = (CLK_HZ % 1000000 + 999) / 1000;
+  localparam integer T15_CLOCKS = (CLK_HZ / 1000000) * T15_MIN_US + (KHZ * T15_MIN_US + 999) / 1000;
+  localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
+
+  wire [15:0] bit_time    = settings_i[`MB_SET_BIT_TIME];
+  wire [1:0]  format      = settings_i[`MB_SET_FORMAT];
+  wire [15:0] stall_limit = settings_i[`MB_SET_STALL_LIMIT];
+
+  // ------------------------------------------------------------------ characters
+
+  wire       rxd, uart_idle, receiving, start_stb, char_stb, parity_error, framing_error;
+  wire       tx_valid, tx_check, tx_ready, tx_sending, tx_begin;
+  wire       data_stb, data_bit, feed, check_bit, crc_zero;
+
+  modbus_sync u_sync (.clk_i(clk_i), .async_i(rxd_i), .sync_o(rxd));
+
+  modbus_uart u_uart (
+    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .format_i(format),
+    .enable_i(~de_o), .rxd_i(rxd), .txd_o(txd_o), .idle_o(uart_idle),
+    .receiving_o(receiving), .start_stb_o(start_stb), .char_stb_o(char_stb), .data_o(rx_byte_o),
+    .parity_error_o(parity_error), .framing_error_o(framing_error),
+    .valid_i(tx_valid), .data_i(frame_byte_i), .check_i(tx_check), .ready_o(tx_ready),
+    .sending_o(tx_sending), .begin_stb_o(tx_begin),
+    .bit_stb_o(data_stb), .bit_o(data_bit), .feed_o(feed), .check_bit_i(check_bit)
+  );
+
+  modbus_crc16 u_crc16 (
+    .clk_i(clk_i), .clear_i(ram_do_o[`MB_RAM_OPEN] | tx_begin), .shift_i(data_stb), .feed_i(feed),
+    .data_i(data_bit), .bit_o(check_bit), .zero_o(crc_zero)
+  );
+
+  // ------------------------------------------------------------------ silence and waits
+
+  wire        t15, t35, send_stb, tx_wait_clear, tx_wait_short, wait_over;
+  wire [11:0] tx_wait_limit;
+
+  // One wait counter: the waits of an answer follow the bank's.
+  modbus_line_timer #(.T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)) u_line_timer (
+    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .format_i(format),
+    .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
+    .t15_o(t15), .t35_o(t35), .wait_stb_i(send_stb),
+    .wait_clear_i(sending_o ? tx_wait_clear : ~bank_waits_i),
+    .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : stall_limit), .wait_short_i(sending_o & tx_wait_short),
+    .wait_over_o(wait_over)
+  );
+
+  // A stall limit of 0 is no limit.
+  assign stall_o = wait_over & (stall_limit != 16'd0);
+
+  // ------------------------------------------------------------------ frames
+
+  wire frames_idle, good_stb, foreign_stb, err_long, drop, sent_stb, dropped_stb;
+
+  modbus_frame_rx u_frame_rx (
+    .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(settings_i[`MB_SET_GAP_COUNT_ONLY]),
+    .strict_i(settings_i[`MB_SET_STRICT]), .drop_late_i(settings_i[`MB_SET_DROP_LATE]),
+    .address_i(settings_i[`MB_SET_ADDRESS]), .broadcast_en_i(settings_i[`MB_SET_BROADCAST]),
+    .start_stb_i(start_stb), .char_stb_i(char_stb), .parity_error_i(parity_error),
+    .framing_error_i(framing_error), .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35),
+    .count_i(count_i), .byte_i(frame_byte_i), .open_stb_o(ram_do_o[`MB_RAM_OPEN]),
+    .look_stb_o(ram_do_o[`MB_RAM_LOOK]), .store_stb_o(ram_do_o[`MB_RAM_STORE]),
+    .good_stb_o(good_stb), .broadcast_o(frame_o[`MB_FRAME_BROADCAST]),
+    .foreign_stb_o(foreign_stb), .bad_stb_o(frame_o[`MB_FRAME_BAD]),
+    .send_i(verdict_i[`MB_VERDICT_SEND]), .send_stb_o(send_stb), .drop_o(drop), .sending_i(sending_o),
+    .sent_i(sent_stb), .dropped_i(dropped_stb), .quiet_i(verdict_i[`MB_VERDICT_QUIET]),
+    .restart_i(verdict_i[`MB_VERDICT_RESTART]), .idle_o(frames_idle), .active_o(rx_active_o),
+    .err_parity_o(events_o[`MB_EVENT_PARITY]), .err_framing_o(events_o[`MB_EVENT_FRAMING]),
+    .err_overrun_o(events_o[`MB_EVENT_OVERRUN]), .err_crc_o(events_o[`MB_EVENT_CRC]),
+    .err_short_o(events_o[`MB_EVENT_SHORT]), .err_long_o(err_long),
+    .err_gap_o(events_o[`MB_EVENT_GAP])
+  );
+
+  modbus_frame_tx u_frame_tx (
+    .clk_i(clk_i), .rst_i(rst_i), .start_i(send_stb), .drop_i(drop), .sending_o(sending_o),
+    .sent_stb_o(sent_stb), .dropped_stb_o(dropped_stb), .de_o(de_o),
+    .response_delay_i(settings_i[`MB_SET_RESPONSE_DELAY]), .de_lead_i(settings_i[`MB_SET_DE_LEAD]),
+    .de_tail_i(settings_i[`MB_SET_DE_TAIL]), .wait_clear_o(tx_wait_clear), .wait_limit_o(tx_wait_limit),
+    .wait_short_o(tx_wait_short), .wait_over_i(wait_over), .count_i(count_i), .next_stb_o(ram_do_o[`MB_RAM_NEXT]),
+    .valid_o(tx_valid), .check_o(tx_check), .ready_i(tx_ready)
+  );
+
+  assign frame_o[`MB_FRAME_GOOD]    = good_stb;
+  assign frame_o[`MB_FRAME_FOREIGN] = foreign_stb;
+  assign frame_o[`MB_FRAME_LONG]    = err_long;
+  assign events_o[`MB_EVENT_FRAME]  = good_stb | foreign_stb;
+  assign events_o[`MB_EVENT_LONG]   = err_long;
+  assign idle_o                     = frames_idle & uart_idle & ~sending_o;
+
+`ifdef FORMAL
+  // Whatever the engine, the frame RAM and the bit clocks do: nothing is received while we drive the line.
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
+    if (de_o) assert (!rx_active_o);
+    if (sending_o) assert (!frames_idle && !rx_active_o);
+    if (de_o) assert (sending_o && !ram_do_o[`MB_RAM_OPEN] && !ram_do_o[`MB_RAM_STORE]);
+    if (!de_o) assert (txd_o);                                   // the line is left at 1
+    if (idle_o) assert (!rx_active_o && !sending_o && !de_o);
+    cover (de_o && !txd_o);
+    cover (rx_active_o);
+  end
+`endif
+
+endmodule
+
+`default_nettype wire
