@@ -286,42 +286,6 @@ module modbus_rtu_core #(
     .clk_i(clk_i), .rst_i(rst_i), .frame_stb_i(good_stb), .alive_o(alive_o)
   );
 
-`ifdef FORMAL
-  // Above all: nothing is written, nor even looked at, without a complete good frame for us and a grant.
-  reg f_past = 1'b0;
-  reg f_good = 1'b0;                 // a frame of 4 bytes or more with zero remainder is being worked on
-  reg f_ours = 1'b0;                 // its address byte is ours or 0
-  reg f_write_granted = 1'b0;        // the bank agreed to a write in it
-  reg f_granted = 1'b0;              // the bank agreed to an access
-
-  always @(posedge clk_i) begin
-    f_past <= 1'b1;
-    if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
-      f_granted <= 1'b1;
-      if (grant_write_o) f_write_granted <= 1'b1;
-    end
-    if (rst_i || quiet_stb || sent_stb) {f_good, f_ours, f_granted, f_write_granted} <= 4'd0;
-    if (look_stb) f_good <= $past(crc_zero & (count >= 9'd4) & t35);
-    if (good_stb) f_ours <= $past((frame_byte == 8'd0) ? broadcast_en_i : frame_byte == address_i && frame_byte <= 8'd247);
-  end
-
-  always @* if (!f_past) assume (rst_i);
-
-  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
-    if (grant_req_o)           assert (f_good && f_ours);
-    if (wb_stb_o)              assert (wb_cyc_o && f_good && f_ours && f_granted);
-    if (wb_stb_o && wb_we_o)   assert (f_write_granted);
-    if (write_stb_o)           assert (f_good && f_write_granted);
-    if (de_o)                  assert (!rx_active_o);            // deaf while driving
-    if (de_o)                  assert (!wb_cyc_o);               // the bus is free before the answer
-    // A beat is not withdrawn before the bank answers.
-    if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall))
-      assert (wb_stb_o && $stable(wb_adr_o) && $stable(wb_we_o));
-    cover (wb_stb_o && wb_we_o && f_write_granted);
-    cover (write_stb_o);
-    cover (wb_stb_o && !wb_we_o);
-  end
-`endif
 
 endmodule
 

@@ -102,7 +102,7 @@ def sby_text(proof: Proof, planted: Path | None) -> str:
         f"prep -top {proof.module}",
         *(f"select -assert-count 1 {proof.module}/{name}" for name in proof.cut),
         *(f"cutpoint {proof.module}/{name}" for name in proof.cut),
-        "memory_map",
+        *(["memory_map"] if proof.method != "induction" else []),  # yices knows arrays
         "[files]",
         *(f"{Path(f).name} {ROOT / f}" for f in [*others, *include_files()]),
         f"{proof.module}.v {own}",
