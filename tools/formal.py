@@ -167,7 +167,7 @@ def sby_text(proof: Proof, planted: dict[str, Path]) -> str:
         f"prep -top {proof.module}",
         *(f"select -assert-count 1 {proof.module}/{name}" for name in proof.cut),
         *(f"cutpoint {proof.module}/{name}" for name in proof.cut),
-        "memory_map",
+        *(["memory_map"] if proof.method != "induction" else []),  # yices knows arrays
         "[files]",
         *(f"{name} {planted.get(name, path)}" for name, path in files.items()),
     ]

@@ -822,6 +822,11 @@ MODULES_ALONE = {
     "line_timer_characters": ("modbus_line_timer.v",),
     "frame_rx": ("modbus_frame_rx.v",),
     "bank_guard": ("modbus_bank_guard.v",),
+    "sequencer": ("modbus_sequencer.v",),
+    "range": ("modbus_range.v",),
+    "burst": ("modbus_burst.v",),
+    "frame_ram": ("modbus_frame_ram.v",),
+    "diagnostics": ("modbus_diagnostics.v",),
 }
 # Suites of test_buses.py, and the files that they alone are about.
 BUSES = {

@@ -192,6 +192,83 @@ module modbus_burst #(
   assign wb_we_o  = stb & writes;
   assign wb_dat_o = {held_q, byte_i[7:1], words ? byte_i[0] : held_q[0]};
 
+`ifdef FORMAL
+  // A range of f_left items more than this one, and the frame around the burst
+  reg        f_past = 1'b0;
+  reg [3:0]  f_left = 4'd0;          // items behind the one at hand; free when a burst begins
+  (* anyseq *) wire [3:0] f_items;
+  reg        f_over = 1'b0;          // the last item of this burst is through
+  reg [7:0]  f_bits;                 // bits of this byte, as they came
+  reg [3:0]  f_count = 4'd0;         // so many
+  reg        f_failed = 1'b0;        // the burst ended without done
+
+  wire f_begins = (state_q == ST_REST) & do_i[`MB_DO_BURST];
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (f_begins) begin
+      f_left <= f_items;
+      f_over <= 1'b0;
+    end else if (next_o) begin
+      f_left <= f_left - 4'd1;
+      f_over <= f_over | at_last_i;
+    end
+    if (f_begins || (put_o && !words)) begin
+      f_count <= 4'd0;
+      f_bits  <= 8'd0;
+    end else if (ack) begin
+      f_bits[f_count[2:0]] <= data[0];
+      f_count <= f_count + 4'd1;
+    end
+  end
+
+  always @* begin
+    if (!f_past) assume (rst_i);
+    assume (at_last_i == (f_left == 4'd0));
+    assume (!(do_i[`MB_DO_GRANT] && do_i[`MB_DO_BURST]));
+  end
+
+  always @(posedge clk_i) begin
+    // The sequencer: one command at a time; a burst is asked for until it has ended; its step stands still.
+    if (f_past && !rst_i && !$past(rst_i)) begin
+      if ($past(moving_o)) begin
+        assume ($stable(argument_i) && $stable(space_i));
+        assume (do_i[5:0] == 6'd0 || do_i[5:0] == (6'd1 << `MB_DO_BURST));
+      end
+      if (moving_o) assume (do_i[`MB_DO_BURST] && !do_i[`MB_DO_RELEASE]);
+      if ($past(f_begins)) assume ($stable(argument_i) && $stable(space_i));
+      if (HAS_INTERNAL != 0 && moving_o) assume (!inner || !writes);
+      assume (dry_q == 1'b0 || writes);
+    end
+    if (f_past && !rst_i && !$past(rst_i)) begin
+      assert (state_q <= ST_PUT);
+      // Never past the last item
+      if (moving_o && f_over) assert (!next_o && !wb_stb_o);
+      assert (!moving_o || ended_q == f_over);
+      if (burst_done) assert (f_over);
+      // Bits packed from the lowest, filled with zeros
+      if (put_o && moving_o && !words) assert (data_o == f_bits);
+      if (moving_o && !words && !writes && state_q != ST_PUT) assert (bit_q == f_count[2:0] || f_over);
+      // A beat is not withdrawn or changed before the bank answers.
+      if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall_i))
+        assert (wb_stb_o && $stable(wb_we_o));
+      if (wb_stb_o) assert (wb_cyc_o);
+      if (wb_stb_o && $past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && writes && words)
+        assert ($stable(wb_dat_o[15:8]));
+      // No item without an answer of the bank, and only one for each
+      if (next_o && !inner && !dry) assert (wb_stb_o && wb_ack_i && !wb_err_i);
+      // A question is put to the bank for a range that can exist alone.
+      if (grant_req_o) assert (asks && !past_end_i);
+      if (done_o && asks) assert (grant_ack_i && exception_i == 4'd0 && !past_end_i);
+      if (fail_o) assert (fail_code_o != 4'd0);
+      if (wb_cyc_o && !moving_o) assert (keep_q);
+      if ($past(do_i[`MB_DO_RELEASE]) && !$past(moving_o) && !moving_o) assert (!wb_cyc_o);
+    end
+    cover (f_past && burst_done && !words && writes && f_items == 4'd9);
+    cover (f_past && put_o && !words && moving_o && f_over);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

@@ -207,6 +207,56 @@ module modbus_engine #(
   assign status_dat_o = words_data;
   assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : words_data;
 
+`ifdef FORMAL
+  // The line: one frame at a time, the next not before the one before is dealt with; an answer ends some time.
+  reg f_past = 1'b0;
+  reg f_work = 1'b1;                 // a frame, or the clearing after a reset, is worked on
+  reg f_sending = 1'b0;              // an answer is on its way
+  reg f_good = 1'b0;                 // it is a good frame for us, and no answer has been sent
+  reg f_granted = 1'b0;              // the bank agreed to an access in it,
+  reg f_write_granted = 1'b0;        // to a write
+
+  wire f_frame = frame_i[`MB_FRAME_GOOD] | frame_i[`MB_FRAME_FOREIGN] | frame_i[`MB_FRAME_BAD];
+  wire f_sent  = f_sending & ~sending_i;
+  wire f_ended = verdict_o[`MB_VERDICT_QUIET] | f_sent;
+
+  always @(posedge clk_i) begin
+    f_past    <= 1'b1;
+    f_sending <= (sending_i | verdict_o[`MB_VERDICT_SEND]) & ~rst_i;
+    f_work    <= (f_work & ~f_ended) | f_frame | rst_i;
+    if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
+      f_granted <= 1'b1;
+      if (grant_write_o) f_write_granted <= 1'b1;
+    end
+    if (frame_i[`MB_FRAME_GOOD]) {f_good, f_granted, f_write_granted} <= 3'b100;
+    if (rst_i || f_ended)        {f_good, f_granted, f_write_granted} <= 3'b000;
+  end
+
+  always @* begin
+    if (!f_past)  assume (rst_i);
+    if (f_work)   assume (!f_frame);
+    if (sending_i) assume (f_sending);
+    assume (!frame_i[`MB_FRAME_FOREIGN] || !frame_i[`MB_FRAME_GOOD]);
+    assume (!frame_i[`MB_FRAME_BAD] || !(frame_i[`MB_FRAME_GOOD] | frame_i[`MB_FRAME_FOREIGN]));
+  end
+
+  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
+    if (grant_req_o)         assert (f_good);
+    if (user_req_o)          assert (f_good);
+    if (wb_stb_o)            assert (wb_cyc_o && f_good && f_granted);
+    if (wb_stb_o && wb_we_o) assert (f_write_granted);
+    if (write_stb_o)         assert (f_good && f_write_granted);
+    if (f_sending)           assert (!wb_cyc_o);             // the bus is free before the answer
+    if (verdict_o[`MB_VERDICT_SEND]) assert (f_good);
+    // A beat is not withdrawn before the bank answers.
+    if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall_i))
+      assert (wb_stb_o && $stable(wb_adr_o) && $stable(wb_we_o));
+    cover (wb_stb_o && wb_we_o && f_write_granted);
+    cover (write_stb_o);
+    cover (wb_stb_o && !wb_we_o);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

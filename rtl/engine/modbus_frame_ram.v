@@ -96,6 +96,43 @@ module modbus_frame_ram #(
   assign count_o      = count_q;
   assign kept_count_o = kept_count;
 
+`ifdef FORMAL
+  // One byte at any place, and one frame of at most 256 characters: what its users may do.
+  (* anyconst *) reg [W-1:0] f_place;
+  reg       f_known = 1'b0;          // the byte at f_place has been written
+  reg [7:0] f_byte;                  // with this
+  reg       f_past = 1'b0;
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    if (write_i && cursor_q[W-1:0] == f_place) begin
+      f_known <= 1'b1;
+      f_byte  <= data_i;
+    end
+  end
+
+  always @(posedge clk_i) if (f_past) begin
+    if (f_known) assert (memory[f_place] == f_byte);
+    // The byte under the cursor is what was written there, unless it is written in the clock that reads it.
+    if (f_known && $past(f_known) && $past(read_at[W-1:0]) == f_place &&
+        !($past(write_i) && $past(cursor_q[W-1:0]) == f_place)) assert (byte_o == f_byte);
+    // The cursor stays in its half: the frame RAM has no others.
+    if (HAS_UPPER == 0) assert (!cursor_q[8]);
+    if ($past(point_i) && !$past(recall)) begin
+      assert (cursor_q[7:4] == 4'd0 && cursor_q[3:0] == $past(point_at_i[3:0]));
+      assert (cursor_q[8] == $past(upper));
+    end
+    if ($past(clear_i))                       assert (count_q == 9'd0);
+    else if (!$past(recall)) begin
+      if ($past(up_i) == $past(down_i) && !$past(up_i)) assert ($stable(count_q));
+      if ($past(up_i) && !$past(down_i))      assert (count_q == $past(count_q) + 9'd1);
+      if ($past(down_i))                      assert (count_q == $past(count_q) - 9'd1);
+    end
+    if (!$past(point_i) && !$past(step_i) && !$past(recall)) assert ($stable(cursor_q));
+    cover (f_known && byte_o == 8'hA5 && cursor_q[W-1:0] == f_place && count_q == 9'd3);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

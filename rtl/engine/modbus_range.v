@@ -117,6 +117,40 @@ module modbus_range #(
   assign first_o   = first_q;
   assign last_o    = last_q;
 
+`ifdef FORMAL
+  // The range that the fields give, kept beside in full width
+  reg        f_past = 1'b0;
+  reg [16:0] f_last;                 // exact last address, FFFFH passed or not
+  reg [1:0]  f_settled = 2'd0;       // first address and quantity stand still for so long
+  wire       f_change = set_address | next_i | do_i[`MB_DO_QUANTITY] | as_it_is | do_i[`MB_DO_ONE];
+
+  always @(posedge clk_i) begin
+    f_past    <= 1'b1;
+    f_last    <= {1'b0, first_q} + {1'b0, less_one_q};
+    f_settled <= f_change | moving_i ? 2'd0 : (f_settled == 2'd2) ? 2'd2 : f_settled + 2'd1;
+  end
+
+  always @* if (next_i) assume (moving_i);
+
+  always @(posedge clk_i) if (f_past) begin
+    // The last address is exact and never wraps unnoticed.
+    if (f_settled != 2'd0) begin
+      assert (last_q == f_last[15:0] && past_ffff_q == f_last[16]);
+      assert (f_last[16] || last_q >= first_q);
+    end
+    if (f_settled == 2'd2 && HAS_FILES != 0)
+      assert (past_end_o == (f_last[16] || (space_i == `MB_SPACE_FILES && f_last > 17'h0270F)));
+    // The limit is exact: quantity - 1 below the highest quantity, which ROOM names.
+    if ($past(f_settled) != 2'd0 && $past(argument_i[10:0]) != 11'd0)
+      assert (found_o[`MB_FOUND_IN_LIMIT] == ($past({1'b0, less_one_q}) < 17'd2048 - {6'd0, $past(argument_i[10:0])}));
+    if ($past(moving_i)) assert ($stable(last_q) && $stable(past_ffff_q));
+    if ($past(!set_address && !next_i)) assert ($stable(first_q));
+    if ($past(next_i && !set_address))  assert (first_q == $past(first_q) + 16'd1);
+    cover (f_settled == 2'd2 && past_end_o && !f_last[16]);
+    cover (found_o[`MB_FOUND_IN_LIMIT] && last_q == 16'hFFFF);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire

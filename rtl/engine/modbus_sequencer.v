@@ -353,6 +353,68 @@ module modbus_sequencer #(
                  | {1'b0, argument[`MB_ARG_BROADCAST] & broadcast_q, listen_only_i, argument[`MB_ARG_LONG] & long_q,
                     sent & {4{argument[`MB_ARG_REFUSAL] & refusal}}});
 
+`ifdef FORMAL
+  // Any program, any frame; only that an answer, the bank and the user may let the sequencer wait.
+  reg       f_past = 1'b0;
+  reg [4:0] f_age = 5'd0;            // clocks since the last step began or the frame came
+  reg       f_raised = 1'b0;         // a step went wrong two clocks ago
+  reg [8:0] f_exception_at;          // EXCEPTION, then
+
+  wire [5:0] f_many = {3'd0, is_address} + is_quantity + is_depth + is_file + is_coil + is_byte_count + is_match
+                    + is_end + is_space + is_set + is_tell + is_total + is_grant + is_burst + is_point + is_walk
+                    + is_context + is_literal + is_load + is_put + is_send + is_offer + is_count + is_log + is_mode
+                    + is_dispatch + is_jump + is_if + is_rest;
+  // Waits for the bank, for the user, for the end of an answer; a walk lasts as long as the way
+  wire f_waits = is_grant | is_burst | is_offer | is_mode | is_walk;
+
+  always @(posedge clk_i) begin
+    f_past <= 1'b1;
+    f_age  <= (rst_i | ~run_q | f_waits | (active_q & ends)) ? 5'd0 : f_age + 5'd1;
+    f_raised       <= raise_q & ~rst_i;
+    f_exception_at <= entries_i[`MB_ENTRY_EXCEPTION];
+  end
+
+  always @* begin
+    if (!f_past) assume (rst_i);
+    // modbus_burst answers what it is asked.
+    if (!burst_do_o[`MB_DO_GRANT] && !burst_do_o[`MB_DO_BURST]) assume (!done_i && !fail_i);
+  end
+
+  // The program is a memory: at the same address it holds the same step.
+  reg f_past_2 = 1'b0;
+  always @(posedge clk_i) begin
+    f_past_2 <= f_past;
+    if (f_past_2 && $past(at_q) == $past(at_q, 2)) assume ($stable(step_i));
+  end
+
+  always @(posedge clk_i) if (f_past && !rst_i && !$past(rst_i)) begin
+    // One step at a time, so never two commands at once
+    assert (f_many <= 6'd1);
+    assert (active_q || f_many == 6'd0);
+    // Every step ends, unless it waits.
+    assert (f_age <= 5'd8);
+    // One that waits ends with the answer.
+    if ((is_grant | is_burst) && $past(is_grant | is_burst) && $past(done_i | fail_i)) assert (ends);
+    if (is_offer && $past(offer_o & (user_done_i | user_fail_i)))                      assert (ends);
+    // Whatever goes wrong ends in the EXCEPTION routine, and nothing is commanded before that.
+    if (f_raised) assert (at_q == f_exception_at);
+    if ($past(raise_q)) assert (f_many == 6'd0);
+    if (raise_q) assert (run_q || $past(is_rest));
+    if ($past(raise_q) && run_q) assert (failed_q);
+    // Nothing is answered in a broadcast, nothing commanded without a frame.
+    if (verdict_o[`MB_VERDICT_SEND]) assert (!broadcast_q);
+    if (!run_q) assert (!burst_do_o[`MB_DO_GRANT] && !burst_do_o[`MB_DO_BURST] && !offer_o && !write_stb_o);
+    // The bank is asked until it has answered, with an argument that stands still.
+    if ($past(burst_do_o[`MB_DO_GRANT]) && !$past(done_i) && !$past(fail_i) && !$past(raise_q))
+      assert (burst_do_o[`MB_DO_GRANT] && $stable(argument[10:5]) && $stable(space_q));
+    if ($past(burst_do_o[`MB_DO_BURST]) && !$past(done_i) && !$past(fail_i) && !$past(raise_q))
+      assert (burst_do_o[`MB_DO_BURST] && $stable(argument) && $stable(space_q));
+    cover (f_raised && run_q);
+    cover (verdict_o[`MB_VERDICT_SEND]);
+    cover (write_stb_o);
+  end
+`endif
+
 endmodule
 
 `default_nettype wire
