@@ -84,7 +84,7 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
     ],
 }
 RANDOM_SETS, RANDOM_SETS_FULL = 2, 20  # of each module in parameter_space.SPACE
-YOSYS_ITEMS = 20000  # Yosys unrolls the power-up contents of a memory and takes minutes above that
+YOSYS_ITEMS = 3000  # Yosys unrolls the power-up contents of a memory: minutes above some thousand words
 MESSAGE = re.compile(r"%(?:Warning|Error)|warning:|error:|\bWarning:|ERROR:|[Ss]yntax error|Unknown module")
 
 

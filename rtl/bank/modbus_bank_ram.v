@@ -172,6 +172,12 @@ module modbus_bank_ram #(
 
       assign data = given;
       assign read = bits_q ? {15'd0, bit_q} : word_q;
+
+`ifdef FORMAL
+      // Coils are at the front of the memory of bits, discrete inputs behind them.
+      always @* if ((wb_ack_o || host_ack_o) && bits)
+        assert (at_bit == (space[0] ? COIL_COUNT + item - DISCRETE_BASE : item - COIL_BASE));
+`endif
     end
   endgenerate
 
@@ -258,11 +264,6 @@ module modbus_bank_ram #(
     else if (!apart)              assert (at == f_at && f_at < ITEMS);
     else                          assert (f_at - FILES_END < BITS);
   end
-  generate
-    if (OVERLAY == 0 && BESIDE == 0) begin : gen_formal_apart
-      always @* if (f_past && (wb_ack_o || host_ack_o) && apart) assert (gen_apart.at_bit == f_at - FILES_END);
-    end
-  endgenerate
 
   always @(posedge clk_i) if (f_past) begin
     cover (wb_ack_o && wb_we_i && $past(f_host_beat, 4));
