@@ -59,6 +59,7 @@ LEGAL = [
     # what does not exist is not judged
     (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS]), "CONFORMITY": 0}),
 ]
+SOME_CODES = {0, 9, 10, 13, 14, 18, 19, 25, 42, 44, 63, 65, 127}
 ILLEGAL = [
     (SLAVE, {"COIL_COUNT": 65537}),
     (SLAVE, {"COIL_COUNT": -1}),
@@ -97,7 +98,7 @@ ILLEGAL = [
     (CORE, {"T15_MIN_US": -1}),
     (CORE, {"CLK_HZ": 0}),
     (CORE, {"ALIVE_TIMEOUT_MS": -1}),
-    *((CORE, {"FUNCTION_CODES": 1 << code}) for code in (0, 9, 10, 13, 14, 18, 19, 25, 42, 44, 63, 65, 127)),
+    *((CORE, {"FUNCTION_CODES": 1 << code}) for code in sorted(SOME_CODES - ALL_FUNCTIONS)),
     (SLAVE, {"FUNCTION_CODES": 1 << 9}),
     (IO, {"FUNCTION_CODES": 1 << 44}),
     (SLAVE, {"FILE_COUNT": -1}),
@@ -107,7 +108,7 @@ ILLEGAL = [
     (SLAVE, {"FILE_COUNT": 1, "FILE_RECORDS": 10001}),
     (SLAVE, {"FILE_COUNT": 1, "FILE_RECORDS": 0}),
     *((CORE, {"SERVER_ID_BYTES": count}) for count in (-1, 0, 17)),
-    *((CORE, {"ADDITIONAL_DATA_BYTES": count}) for count in (-1, 235)),
+    *((CORE, {"ADDITIONAL_DATA_BYTES": count}) for count in (-1, 250)),
     *((CORE, {"CONFORMITY": conformity}) for conformity in (0x00, 0x04, 0x05, 0x43, 0x80, 0x84)),
     (CORE, {"DEVICE_ID_LIMIT": 254}),
     (CORE, {"DEVICE_ID_LIMIT": 9 + len("PRODUCT") - 1}),

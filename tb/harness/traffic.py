@@ -179,6 +179,8 @@ class Traffic:
         if code == FC.WRITE_REGISTERS:
             quantity = self.quantity(limits.write_registers)
             return frames.write_registers(address, self.values(address, min(quantity, 123)), quantity)
+        if code != FC.READ_WRITE:  # one without traffic of its own
+            return frames.requests(address, address)[code]
         quantity = self.quantity(limits.rw_write)
         return frames.read_write(
             self.place(Space.HOLDINGS),

@@ -180,3 +180,32 @@ def device_identification(code, first=0, mei=MEI_DEVICE_ID):
 def text(frame):
     """Hex bytes for people, `None` as silence."""
     return "silence" if frame is None else bytes(frame).hex(" ").upper()
+
+
+def requests(register=0, coil=0, discrete=None, word=None, file=1):
+    """{function code: a right request PDU of it}; all that touch data touch what is named, from there on.
+
+    `discrete` and `word` are addresses of a discrete input and an input register, those of coil and register unless
+    given. Function code 18 finds at `register` what 06 writes there.
+    """
+    return {
+        FC.READ_COILS: read(FC.READ_COILS, coil, 1),
+        FC.READ_DISCRETES: read(FC.READ_DISCRETES, coil if discrete is None else discrete, 1),
+        FC.READ_HOLDINGS: read(FC.READ_HOLDINGS, register, 1),
+        FC.READ_INPUTS: read(FC.READ_INPUTS, register if word is None else word, 1),
+        FC.WRITE_COIL: write_coil(coil, True),
+        FC.WRITE_REGISTER: write_register(register, 1),
+        FC.READ_EXCEPTION_STATUS: bare(FC.READ_EXCEPTION_STATUS),
+        FC.DIAGNOSTICS: diagnostics(0, 0x1234),
+        FC.GET_EVENT_COUNTER: bare(FC.GET_EVENT_COUNTER),
+        FC.GET_EVENT_LOG: bare(FC.GET_EVENT_LOG),
+        FC.WRITE_COILS: write_coils(coil, [1]),
+        FC.WRITE_REGISTERS: write_registers(register, [1]),
+        FC.REPORT_SERVER_ID: bare(FC.REPORT_SERVER_ID),
+        FC.READ_FILE: read_files((file, 0, 1)),
+        FC.WRITE_FILE: write_files((file, 0, [1])),
+        FC.MASK_WRITE: mask_write(register, 0, 1),
+        FC.READ_WRITE: read_write(register, 1, register, [1]),
+        FC.READ_FIFO: read_fifo(register),
+        FC.READ_DEVICE_ID: device_identification(1),
+    }

@@ -17,27 +17,7 @@ def requests(config):
     coil, discrete, word, register = (
         config.tables[s][0] for s in (Space.COILS, Space.DISCRETES, Space.INPUTS, Space.HOLDINGS)
     )
-    return {
-        FC.READ_COILS: frames.read(FC.READ_COILS, coil, 9),
-        FC.READ_DISCRETES: frames.read(FC.READ_DISCRETES, discrete, 9),
-        FC.READ_HOLDINGS: frames.read(FC.READ_HOLDINGS, register, 3),
-        FC.READ_INPUTS: frames.read(FC.READ_INPUTS, word, 3),
-        FC.WRITE_COIL: frames.write_coil(coil, True),
-        FC.WRITE_REGISTER: frames.write_register(register, 2),
-        FC.READ_EXCEPTION_STATUS: frames.bare(FC.READ_EXCEPTION_STATUS),
-        FC.DIAGNOSTICS: frames.diagnostics(Sub.QUERY_DATA, 0xA537),
-        FC.GET_EVENT_COUNTER: frames.bare(FC.GET_EVENT_COUNTER),
-        FC.GET_EVENT_LOG: frames.bare(FC.GET_EVENT_LOG),
-        FC.WRITE_COILS: frames.write_coils(coil + 1, [1, 0, 1]),
-        FC.WRITE_REGISTERS: frames.write_registers(register + 1, [7, 8]),
-        FC.REPORT_SERVER_ID: frames.bare(FC.REPORT_SERVER_ID),
-        FC.READ_FILE: frames.read_files((1, 0, 2), (1, 1, 1)),
-        FC.WRITE_FILE: frames.write_files((1, 1, [5, 6]), (1, 0, [4])),
-        FC.MASK_WRITE: frames.mask_write(register, 0xF0F2, 0x0025),
-        FC.READ_WRITE: frames.read_write(register, 3, register + 1, [9]),
-        FC.READ_FIFO: frames.read_fifo(register),
-        FC.READ_DEVICE_ID: frames.device_identification(1),
-    }
+    return frames.requests(register, coil, discrete, word)
 
 
 async def ask(tb, pdu, address=OWN):
