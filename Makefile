@@ -32,7 +32,7 @@ $(foreach set,demo test lint formal fpga ecp5 boards fusesoc,$(call stamp,$(set)
 	@tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
-.PHONY: help demo serve test lint formal synth bitstream waves mistakes fusesoc clean
+.PHONY: help demo serve quick test nightly lint formal synth bitstream waves mistakes fusesoc clean
 
 ##@ Use
 -include sim/live.mk
@@ -40,21 +40,23 @@ $(foreach set,demo test lint formal fpga ecp5 boards fusesoc,$(call stamp,$(set)
 ## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=
 
 ##@ Check
+quick: $(call stamp,test) $(call stamp,lint)  ## under a minute, before a commit: lint of what differs, the model, a little of everything at the pins
+	@$(PY) tools/quick.py
+
 test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
-	@case "$${T-}" in \
-	  '') set -- tb ;; \
-	  */*|*.py*) set -- "$$T" ;; \
-	  *) set -- tb "-k$$T" ;; \
-	esac; exec $(PY) -m pytest "$$@"
+	@$(PY) tools/test.py $${T:+"$$T"}
+
+nightly: $(call stamp,test) $(call stamp,lint) $(call stamp,formal)  ## everything, some 100 minutes; T=stage,... or NIGHTLY_SKIP=stage,...; report build/nightly.md
+	@$(PY) tools/nightly.py $${T:+"$$T"}
 
 lint: $(call stamp,lint)  ## every linter over every module and parameter set; T=module selects
 	@$(PY) tools/lint.py $${T:+"$$T"}
 
-formal: $(call stamp,formal)  ## proofs and covers; T=module selects
-	@$(PY) tools/formal.py $${T:+"$$T"}
+formal: $(call stamp,formal)  ## proofs and covers; T=module, TIER=ci or nightly select, PLANTED=1: each must fail with a mistake in the RTL
+	@$(PY) tools/formal.py $${TIER:+--tier="$$TIER"} $${PLANTED:+--planted} $${T:+"$$T"}
 
-mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests must catch each
-	@$(PY) tools/mistakes.py $${T:+"$$T"}
+mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests must catch each; T=part of a name; UPDATE=1 docs/mistakes.md
+	@$(PY) tools/plant.py $${UPDATE:+--update} $${T:+"$$T"}
 
 ##@ Look
 synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md

@@ -22,6 +22,7 @@
 #define MODBUS_INPUTS     0x080000u
 #define MODBUS_HOLDINGS   0x0C0000u
 #define MODBUS_FILES      0x100000u
+#define MODBUS_CORE       0x140000u /* counters, event log, settings: the items are in rtl/bank/modbus_host_map.v */
 #define MODBUS_HOLD       0x1C0000u /* 1: the memory stays the CPU's between accesses; modbus_axil_slave alone has it */
 
 #define MODBUS_COIL(n)     MODBUS_WORD_(MODBUS_COILS, n)
@@ -29,6 +30,13 @@
 #define MODBUS_INPUT(n)    MODBUS_WORD_(MODBUS_INPUTS, n)
 #define MODBUS_HOLDING(n)  MODBUS_WORD_(MODBUS_HOLDINGS, n)
 #define MODBUS_RECORD(file, n, records) MODBUS_WORD_(MODBUS_FILES, ((file) - 1u) * (records) + (n)) /* records: FILE_RECORDS */
+
+#define MODBUS_STATUS(n)   MODBUS_WORD_(MODBUS_CORE, n) /* 0x00 diagnostic register, 0x0A..0x12 counters, 0x40 + n log */
+#define MODBUS_ADDRESS     MODBUS_WORD_(MODBUS_CORE, 0x80u)
+#define MODBUS_BIT_TIME    MODBUS_WORD_(MODBUS_CORE, 0x81u)
+#define MODBUS_FORMAT      MODBUS_WORD_(MODBUS_CORE, 0x82u)
+#define MODBUS_EXCEPTION_STATUS MODBUS_WORD_(MODBUS_CORE, 0x89u)
+#define MODBUS_IDLE        MODBUS_WORD_(MODBUS_CORE, 0x8Cu) /* 1: the line is idle, rate and format may change */
 
 #define MODBUS_WORD_(table, n) (*(volatile uint32_t *)((uintptr_t)(MODBUS_BASE) + (table) + 4u * (n)))
 

@@ -3,9 +3,9 @@
 //
 // modbus_example_ram - the slave on the bus of the example SoCs: registers in RAM, eight lamps, eight switches.
 //
-// Wishbone B4 classic, address {space, item}: holding and input registers 0..WORDS-1 are memory, coils 0..7 the lamps,
-// discrete inputs 0..7 the switches; err for everything else and for a write to a switch.  Whoever has the bus may write.
-// ack or err two clocks after stb.
+// Wishbone B4 classic, address {space, item}.  Holding and input registers 0..WORDS-1 are memory, coils 0..7 the lamps,
+// discrete inputs 0..7 the switches.  Every other address, and a write to a switch, answers err.  Both masters may write.
+// ack or err comes two clocks after stb.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -45,8 +45,11 @@ module modbus_example_ram #(
   wire        words = (space[2:1] == 2'b01);
   wire        exists = (words & ({1'b0, item} < WORDS[16:0])) |
                        (bits & (item[15:3] == 13'd0) & ~(space[0] & wb_we_i));
-  // Input registers lie behind the holding registers.
-  wire [W-1:0] place = item[W-1:0] + (space[0] ? {W{1'b0}} : WORDS[W-1:0]);
+  // Input registers lie behind the holding registers.  The largest memory has a 17-bit address; smaller ones use its low bits.
+  // verilator lint_off UNUSED
+  wire [16:0]  whole = {1'b0, item} + (space[0] ? 17'd0 : WORDS[16:0]);
+  // verilator lint_on UNUSED
+  wire [W-1:0] place = whole[W-1:0];
   wire [7:0]   switches;
 
   (* no_rw_check *) reg [15:0] memory [0:2*WORDS-1];

@@ -3,12 +3,16 @@
 //
 // modbus_example_soc_axil - a SoC whose AXI4-Lite bus has two masters, the Modbus core and a CPU: a pattern to copy.
 //
-// modbus_axil_master makes the core a master.  The s_axil_* port stands for the CPU; modbus_axil_slave with modbus_example_ram behind
-// it for everything on the bus.  Both masters see one map, that of docs/buses.md.
+// modbus_axil_master makes the core a master.  The s_axil_* port is that of the CPU.  modbus_axil_slave with
+// modbus_example_ram behind it stands for everything on the bus.  Both masters see one map, that of docs/buses.md.
 //
-// The arbiter takes one transfer at a time.  AXI4-Lite has no lock, so it looks at burst_o of the bridge: while that is high it takes
-// nothing from the CPU, and all that a request does on the bus is one piece.  The CPU waits for one request at most, the
-// core for one transfer of the CPU.  The CPU's own transfers are pieces of their own: two of them can have a request between them.
+// The arbiter takes one transfer at a time.  AXI4-Lite has no lock, so while burst_o of the bridge is high the arbiter
+// takes nothing from the CPU, and all that a request does on the bus is one piece.  The CPU waits for one request at most,
+// the core for one transfer of the CPU.  The line may have a request between two transfers of the CPU.
+//
+// No manner of the CPU can block the line: a write begins when its address and its data are both there, and its
+// response, like the data of a read, waits in a register of the CPU's port, not on the bus.  A master that gives its
+// address early and its data after a read of its own, or that does not take a response, holds up itself only.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -94,20 +98,24 @@ module modbus_example_soc_axil #(
   wire [1:0]  bresp, rresp;
   wire [31:0] rdata;
 
-  // Whose transfer it is, and what of it has been taken
+  // Whose transfer it is, and what of it the bus has taken
   localparam [1:0] ST_IDLE = 2'd0, ST_WRITE = 2'd1, ST_READ = 2'd2;
   reg [1:0] state_q = ST_IDLE;
   reg       line_q = 1'b0;                       // it is the core's
   reg       write_q = 1'b0;                      // the last one was a write
   reg       address_q, data_q;                   // taken: address, data
 
+  // Responses for the CPU, until it takes them
+  reg        cpu_bvalid_q = 1'b0, cpu_rvalid_q = 1'b0;
+  reg [1:0]  cpu_bresp_q, cpu_rresp_q;
+  reg [31:0] cpu_rdata_q;
+
   modbus_axil_master #(
     .COIL_COUNT(8), .DISCRETE_COUNT(8), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
   ) u_bridge (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .grant_req_i(grant_req), .grant_space_i(grant_space),
-    .grant_first_i(grant_first), .grant_last_i(grant_last), .grant_write_i(grant_write), .grant_file_i(grant_file),
-    .grant_ack_o(grant_ack), .exception_o(exception), .wb_cyc_i(wb_cyc), .wb_stb_i(wb_stb), .wb_we_i(wb_we),
-    .wb_adr_i(wb_adr), .wb_dat_i(wb_write), .wb_dat_o(wb_read), .wb_ack_o(wb_ack), .wb_err_o(wb_err),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0),
+`include "modbus_bank_inst.vh"
+    ,
     .burst_o(burst), .hung_o(),
     .m_axil_awaddr(line_awaddr), .m_axil_awprot(line_awprot), .m_axil_awvalid(line_awvalid),
     .m_axil_awready(line_q & awready), .m_axil_wdata(line_wdata), .m_axil_wstrb(line_wstrb),
@@ -119,19 +127,23 @@ module modbus_example_soc_axil #(
 
   // Arbiter
   wire line_wants = line_awvalid | line_arvalid;
-  wire cpu_wants  = (s_axil_awvalid | s_axil_arvalid) & ~burst;
+  wire cpu_writes = s_axil_awvalid & s_axil_wvalid & ~cpu_bvalid_q;
+  wire cpu_reads  = s_axil_arvalid & ~cpu_rvalid_q;
   wire writing = (state_q == ST_WRITE), reading = (state_q == ST_READ);
   wire ends = (bvalid & bready) | (rvalid & rready);
 
   always @(posedge clk_i) begin
     case (state_q)
-      // A CPU that always wants both reads and writes in turn.
+      // The bus is free.  A CPU that always wants both reads and writes in turn.
       ST_IDLE: begin
         line_q    <= line_wants;
         address_q <= 1'b0;
         data_q    <= 1'b0;
-        if (line_wants)     state_q <= line_awvalid ? ST_WRITE : ST_READ;
-        else if (cpu_wants) state_q <= (s_axil_awvalid & ~(s_axil_arvalid & write_q)) ? ST_WRITE : ST_READ;
+        if (line_wants)  state_q <= line_awvalid ? ST_WRITE : ST_READ;
+        else if (!burst) begin
+          if (cpu_writes && !(cpu_reads && write_q)) state_q <= ST_WRITE;
+          else if (cpu_reads)                        state_q <= ST_READ;
+        end
       end
       // Address and data are taken in any order, then the response goes back.
       ST_WRITE, ST_READ: begin
@@ -142,27 +154,35 @@ module modbus_example_soc_axil #(
       default: state_q <= ST_IDLE;
     endcase
     if (state_q != ST_IDLE) write_q <= writing;
+
+    if (~line_q & writing & bvalid) cpu_bresp_q <= bresp;
+    if (~line_q & reading & rvalid) {cpu_rresp_q, cpu_rdata_q} <= {rresp, rdata};
+    cpu_bvalid_q <= (~line_q & writing & bvalid) | (cpu_bvalid_q & ~s_axil_bready);
+    cpu_rvalid_q <= (~line_q & reading & rvalid) | (cpu_rvalid_q & ~s_axil_rready);
+
     if (rst_i) begin
-      state_q <= ST_IDLE;
-      line_q  <= 1'b0;
+      state_q      <= ST_IDLE;
+      line_q       <= 1'b0;
+      cpu_bvalid_q <= 1'b0;
+      cpu_rvalid_q <= 1'b0;
     end
   end
 
   assign awvalid = writing & ~address_q & (line_q ? line_awvalid : s_axil_awvalid);
   assign wvalid  = writing & ~data_q & (line_q ? line_wvalid : s_axil_wvalid);
-  assign bready  = writing & (line_q ? line_bready : s_axil_bready);
+  assign bready  = writing & (~line_q | line_bready);
   assign arvalid = reading & ~address_q & (line_q ? line_arvalid : s_axil_arvalid);
-  assign rready  = reading & (line_q ? line_rready : s_axil_rready);
+  assign rready  = reading & (~line_q | line_rready);
 
   // To the bridge "ready" counts only with its valid on the bus, and so to the CPU.
   assign s_axil_awready = ~line_q & writing & ~address_q & awready;
   assign s_axil_wready  = ~line_q & writing & ~data_q & wready;
-  assign s_axil_bresp   = bresp;
-  assign s_axil_bvalid  = ~line_q & writing & bvalid;
+  assign s_axil_bresp   = cpu_bresp_q;
+  assign s_axil_bvalid  = cpu_bvalid_q;
   assign s_axil_arready = ~line_q & reading & ~address_q & arready;
-  assign s_axil_rdata   = rdata;
-  assign s_axil_rresp   = rresp;
-  assign s_axil_rvalid  = ~line_q & reading & rvalid;
+  assign s_axil_rdata   = cpu_rdata_q;
+  assign s_axil_rresp   = cpu_rresp_q;
+  assign s_axil_rvalid  = cpu_rvalid_q;
 
   // What is on the bus
   wire        ram_cyc, ram_stb, ram_we, ram_ack, ram_err;

@@ -3,12 +3,13 @@
 //
 // modbus_example_soc_wb - a SoC whose Wishbone bus has two masters, the Modbus core and a CPU: a pattern to copy.
 //
-// The core's own Wishbone port is the master.  Its grant question is answered by modbus_bank_guard, which knows the map.
-// The cpu_* port stands for the CPU; modbus_example_ram for everything on the bus.
+// The Wishbone port of the core is the master.  modbus_bank_guard, which knows the map, answers its grant question.
+// The cpu_* port is that of the CPU; modbus_example_ram stands for everything on the bus.
 //
-// The arbiter is one flip-flop: whoever has the bus keeps it while his cyc is up.  So all that a request does on the bus is one
-// piece for the CPU, and what the CPU does under one cpu_cyc_i is one piece for the line.  A CPU whose cyc never falls starves the
-// line until the stall limit; one that lets it fall between its accesses waits for one request at most.
+// The arbiter is one flip-flop: a master that has the bus keeps it while its cyc is high.  So all that a request does on the
+// bus is one piece for the CPU, and what the CPU does under one cpu_cyc_i is one piece for the line.  A CPU whose cyc
+// never falls keeps the line waiting until the stall limit; one whose cyc falls between its accesses waits for one request
+// at most.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -79,8 +80,8 @@ module modbus_example_soc_wb #(
   modbus_bank_guard #(
     .COIL_COUNT(8), .DISCRETE_COUNT(8), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS)
   ) u_guard (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .hold_i(1'b0), .req_i(grant_req), .space_i(grant_space),
-    .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .flat_i(1'b0),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .req_i(grant_req), .space_i(grant_space), .first_i(grant_first),
+    .last_i(grant_last), .write_i(grant_write), .file_i(grant_file), .flat_i(1'b0), .other_i(1'b0), .wait_i(1'b0),
     .ack_o(grant_ack), .refused_o(refused), .exception_o(exception)
   );
 

@@ -114,11 +114,7 @@ module modbus_pdm_meter #(
   // A host that never lets go of the registers does not silence the meter.
   localparam [15:0]  STALL_BITS = 16'd200;
 
-  wire        grant_req, grant_write, grant_ack, wb_cyc, wb_stb, wb_we, wb_ack;
-  wire [2:0]  grant_space;
-  wire [3:0]  exception;
-  wire [15:0] grant_first, grant_last, wb_write, wb_read;
-  wire [18:0] wb_adr;
+`include "modbus_bank_wires.vh"
 
   wire        user_req, user_put, user_done, user_pass;
   wire [7:0]  user_count, user_adr, user_request, user_answer;
@@ -168,33 +164,37 @@ module modbus_pdm_meter #(
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
     .host_state_i(host_state), .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr),
     .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
-    .status_ack_o(), .grant_req_o(grant_req), .grant_space_o(grant_space), .grant_first_o(grant_first),
-    .grant_last_o(grant_last), .grant_file_o(), .grant_write_o(grant_write), .grant_ack_i(grant_ack),
-    .exception_i(exception), .wb_cyc_o(wb_cyc), .wb_stb_o(wb_stb), .wb_we_o(wb_we), .wb_adr_o(wb_adr),
-    .wb_dat_o(wb_write), .wb_dat_i(wb_read), .wb_ack_i(wb_ack), .wb_err_i(1'b0), .write_stb_o(write_stb_o),
+    .status_ack_o(),
+`include "modbus_bank_core_inst.vh"
+    , .write_stb_o(write_stb_o),
     .events_o(events), .alive_o(alive_o), .rx_active_o(rx_active_o), .listen_only_o(), .idle_o()
   );
   // verilator lint_on PINCONNECTEMPTY
 
+  wire unused = &{1'b0, grant_file};             // there are no files
+
   // Two banks.  Each is asked, and sees a bus cycle, only for its own spaces; the other is silent meanwhile.
   wire        ask_bits = (grant_space[2:1] == 2'b00);       // coils and discrete inputs
   wire        use_bits = (wb_adr[18:17] == 2'b00);
-  wire        bits_grant_ack, bits_wb_ack, words_grant_ack, words_wb_ack;
+  wire        bits_grant_ack, bits_wb_ack, bits_wb_err, words_grant_ack, words_wb_ack, words_wb_err;
   wire [3:0]  bits_exception, words_exception;
   wire [15:0] bits_read, words_read;
 
   assign grant_ack = bits_grant_ack | words_grant_ack;
   assign exception = ask_bits ? bits_exception : words_exception;
   assign wb_ack    = bits_wb_ack | words_wb_ack;
+  assign wb_err    = bits_wb_err | words_wb_err;
   assign wb_read   = use_bits ? bits_read : words_read;
 
   generate
     if (DI_COUNT + DO_COUNT > 0) begin : gen_bits_bank
-      wire [DI_WIDTH-1:0] di;
-      genvar k;
+      // As modbus_sync, for all inputs at once: thousands of instances elaborate slowly.
+      (* ASYNC_REG = "TRUE" *) reg [DI_WIDTH-1:0] meta_q = 0;
+      (* ASYNC_REG = "TRUE" *) reg [DI_WIDTH-1:0] di_q = 0;
 
-      for (k = 0; k < DI_WIDTH; k = k + 1) begin : gen_di
-        modbus_sync u_sync (.clk_i(clk_i), .async_i(di_i[k]), .sync_o(di[k]));
+      always @(posedge clk_i) begin
+        meta_q <= di_i;
+        di_q   <= meta_q;
       end
 
       modbus_bank_io #(
@@ -204,14 +204,14 @@ module modbus_pdm_meter #(
         .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
         .grant_write_i(grant_write), .grant_file_i(16'd0), .grant_ack_o(bits_grant_ack), .exception_o(bits_exception),
         .wb_cyc_i(wb_cyc & use_bits), .wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write),
-        .wb_dat_o(bits_read), .wb_ack_o(bits_wb_ack), .coils_o(do_o), .discretes_i(di), .inputs_i(16'd0),
+        .wb_dat_o(bits_read), .wb_ack_o(bits_wb_ack), .wb_err_o(bits_wb_err), .coils_o(do_o), .discretes_i(di_q), .inputs_i(16'd0),
         // It has no registers:
         // verilator lint_off PINCONNECTEMPTY
         .holdings_o()
         // verilator lint_on PINCONNECTEMPTY
       );
     end else begin : gen_no_bits_bank
-      assign {bits_grant_ack, bits_exception, bits_wb_ack, bits_read} = 22'd0;
+      assign {bits_grant_ack, bits_exception, bits_wb_ack, bits_wb_err, bits_read} = 23'd0;
       assign do_o = {DO_WIDTH{1'b0}};
       // There is no input to read:
       // verilator lint_off UNUSED
@@ -228,7 +228,7 @@ module modbus_pdm_meter #(
     .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last), .grant_file_i(16'd0),
     .grant_write_i(grant_write), .grant_ack_o(words_grant_ack), .exception_o(words_exception),
     .wb_cyc_i(wb_cyc & ~use_bits), .wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write),
-    .wb_dat_o(words_read), .wb_ack_o(words_wb_ack), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
+    .wb_dat_o(words_read), .wb_ack_o(words_wb_ack), .wb_err_o(words_wb_err), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
     .host_adr_i({`MB_SPACE_HOLDINGS, host_adr_i}), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o),
     .host_ack_o(host_ack_o), .host_err_o(host_err_o)
   );

@@ -4,27 +4,20 @@
 // modbus_rtu_slave - drop-in Modbus RTU slave: core and block RAM with a Wishbone port for the host.
 //
 // Connect it between an RS-485 transceiver and your logic.  Clock, line and host port are all it needs; the settings
-// are parameters.  See modbus_bank_ram for the host port, modbus_rtu_core for settings that change at run time.
+// are parameters.  Behind the host port are the tables, and as space 5 the counters, the event log and the settings of
+// the core: modbus_host_map has the list.  With HOST_SETTINGS = 1 the host changes the settings at run time.
 // A table of size 0 does not exist: its function codes answer exception 01 and cost nothing.
 
 `default_nettype none
 `include "modbus_defs.vh"
 
 module modbus_rtu_slave #(
+  parameter integer HOST_MAP      = 1,           // 1: counters, event log and settings are space 5 of the host port
+  parameter integer HOST_SETTINGS = 0,           // 1: the host may change the settings at run time
 `include "modbus_settings.vh"
-  parameter integer COIL_BASE           = 0,             // first address of each table
-  parameter integer COIL_COUNT          = 64,            // its size, 0..65536; 0: no such table
-  parameter integer DISCRETE_BASE       = 0,
-  parameter integer DISCRETE_COUNT      = 64,
-  parameter integer INPUT_BASE          = 0,
-  parameter integer INPUT_COUNT         = 64,
-  parameter integer HOLDING_BASE        = 0,
-  parameter integer HOLDING_COUNT       = 64,
-  parameter integer READ_ONLY_BASE      = 0,             // holding registers that answer exception 02 to a write
-  parameter integer READ_ONLY_COUNT     = 0,
-  parameter integer FILE_COUNT          = 0,             // files of function codes 14H and 15H, 0..65535; 0: none
-  parameter integer FILE_RECORDS        = 256,           // records of each, 1..10000
-  parameter integer OVERLAY             = 0,             // 1: one block of HOLDING_COUNT registers, also as bits
+  ,
+`include "modbus_tables.vh"
+  ,
 `include "modbus_config.vh"
 ) (
   input  wire        clk_i,
@@ -43,7 +36,7 @@ module modbus_rtu_slave #(
   input  wire [15:0] host_dat_i,
   output wire [15:0] host_dat_o,
   output wire        host_ack_o,
-  output wire        host_err_o,                 // address outside the tables
+  output wire        host_err_o,                 // no such item
 
   // What happens
   output wire        write_stb_o,                // strobe: a write from the line is committed; valid with it:
@@ -55,26 +48,28 @@ module modbus_rtu_slave #(
 );
 
 `include "modbus_settings_value.vh"
+`include "modbus_table_codes.vh"
 `include "modbus_bank_wires.vh"
 
-  // The function codes of a table that does not exist are left out: they answer exception 01 and cost nothing.
-  localparam [127:0] CODES = FUNCTION_CODES
-    & ~((OVERLAY == 0 && COIL_COUNT == 0)        ? `MB_COIL_FUNCTIONS     : 128'd0)
-    & ~((OVERLAY == 0 && DISCRETE_COUNT == 0)    ? `MB_DISCRETE_FUNCTIONS : 128'd0)
-    & ~((OVERLAY == 0 && INPUT_COUNT == 0)       ? `MB_INPUT_FUNCTIONS    : 128'd0)
-    & ~((HOLDING_COUNT == 0)                     ? `MB_HOLDING_FUNCTIONS  : 128'd0)
-    & ~((FILE_COUNT == 0)                        ? `MB_FILE_FUNCTIONS     : 128'd0);
+  wire [`MB_SETTINGS_WIDTH-1:0]   settings;
+  wire [`MB_HOST_STATE_WIDTH-1:0] host_state;
+  wire                            status_stb, status_ack, idle, write_lock;
+  wire [6:0]                      status_adr;
+  wire [15:0]                     status_read, bank_write, bank_read;
+  wire                            bank_cyc, bank_stb, bank_we, bank_ack, bank_err;
+  wire [18:0]                     bank_adr;
 
-  // The drop-in leaves the user port and the status port alone.
+  // The drop-in leaves the user port and the events alone.
   // verilator lint_off PINCONNECTEMPTY
   modbus_rtu_core #(
-    .FUNCTION_CODES(CODES),
+    .FUNCTION_CODES(TABLE_CODES),
 `include "modbus_config_inst.vh"
   ) u_core (
-    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(SETTINGS),
-    .host_state_i(`MB_HOST_AT_REST), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
-    .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(), .status_ack_o(),
-    .write_stb_o(write_stb_o), .events_o(), .alive_o(alive_o), .rx_active_o(), .listen_only_o(), .idle_o(),
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
+    .host_state_i(host_state), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
+    .user_reply_i(`MB_NO_USER), .status_stb_i(status_stb), .status_adr_i(status_adr), .status_dat_o(status_read),
+    .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(), .alive_o(alive_o), .rx_active_o(),
+    .listen_only_o(), .idle_o(idle),
 `include "modbus_bank_core_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY
@@ -83,17 +78,25 @@ module modbus_rtu_slave #(
   assign write_first_o = grant_first;
   assign write_last_o  = grant_last;
   assign write_file_o  = grant_file;
-  assign wb_err        = 1'b0;
+
+  modbus_host_map #(
+    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .INITIAL_SETTINGS(SETTINGS), .INITIAL_STATE(`MB_HOST_AT_REST)
+  ) u_host_map (
+    .clk_i(clk_i), .rst_i(rst_i), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
+    .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o),
+    .host_err_o(host_err_o), .bank_cyc_o(bank_cyc), .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr),
+    .bank_dat_o(bank_write), .bank_dat_i(bank_read), .bank_ack_i(bank_ack), .bank_err_i(bank_err),
+    .status_stb_o(status_stb), .status_adr_o(status_adr), .status_dat_i(status_read), .status_ack_i(status_ack),
+    .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST), .write_lock_i(1'b0), .idle_i(idle), .settings_o(settings),
+    .host_state_o(host_state), .write_lock_o(write_lock)
+  );
 
   modbus_bank_ram #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
-    .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
-    .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-    .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS), .OVERLAY(OVERLAY)
+`include "modbus_tables_inst.vh"
   ) u_bank (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i),
-    .host_we_i(host_we_i), .host_adr_i(host_adr_i), .host_dat_i(host_dat_i), .host_dat_o(host_dat_o),
-    .host_ack_o(host_ack_o), .host_err_o(host_err_o),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock), .host_cyc_i(bank_cyc), .host_stb_i(bank_stb),
+    .host_we_i(bank_we), .host_adr_i(bank_adr), .host_dat_i(bank_write), .host_dat_o(bank_read),
+    .host_ack_o(bank_ack), .host_err_o(bank_err),
 `include "modbus_bank_inst.vh"
   );
 

@@ -24,10 +24,9 @@
 #include <sys/signalfd.h>
 #include <vector>
 
-#include "Vslave.h"
 #include "line.h"
+#include "model.h"
 #include "terminal.h"
-#include "verilated.h"
 
 namespace {
 
@@ -91,7 +90,7 @@ class Device {
     dut_.final();
   }
 
-  uint64_t cycle() const { return cycle_; }
+  uint64_t now() const { return cycle_; }
   bool full() const { return queue_.size() >= QUEUE_LIMIT; }
   bool idle() const { return queue_.empty() && cycle_ - last_activity_ >= linger_; }
 
@@ -143,13 +142,14 @@ class Device {
     }
     const bool driving = driver_.busy();
     dut_.rxd_i = driver_.clock();
-    dut_.clk_i = 1;
-    dut_.eval();
-    dut_.clk_i = 0;
-    dut_.eval();
+    cycle(dut_);
     ++cycle_;
 
     const int data = monitor_.clock(dut_.txd_o, dut_.de_o);
+    if (monitor_.fault() != LineFault::kNone) {
+      fprintf(stderr, "serve: bad character from the core: %s\n", text(monitor_.fault()));
+      monitor_.clear();
+    }
     if (data >= 0 && playing_ == client_) terminal_.send(uint8_t(data));
     if (driving || dut_.de_o) {
       last_activity_ = cycle_;
@@ -203,7 +203,7 @@ class Device {
   }
 
   Terminal &terminal_;
-  Vslave dut_;
+  Vmodel dut_;
   CharacterFormat format_;
   LineDriver driver_;
   LineMonitor monitor_;
@@ -265,7 +265,7 @@ void serve(Device &device, Terminal &terminal, int signals) {
   enum { SIGNALS, CLIENTS, BYTES };
   pollfd wait[] = {{signals, POLLIN, 0}, {terminal.inotify(), POLLIN, 0}, {terminal.master(), POLLIN, 0}};
   double anchor_s = wall_s();
-  uint64_t anchor_cycle = device.cycle();
+  uint64_t anchor_cycle = device.now();
   for (;;) {
     const bool asleep = device.idle();
     // Asleep until something happens; else a slice at a time, and not woken by a flood that finds no room.
@@ -281,11 +281,11 @@ void serve(Device &device, Terminal &terminal, int signals) {
 
     const double now = wall_s();
     uint64_t due = anchor_cycle + uint64_t((now - anchor_s) * CLOCK_HZ);
-    const bool too_late = !asleep && due > device.cycle() + uint64_t(GIVE_UP_S * CLOCK_HZ);
+    const bool too_late = !asleep && due > device.now() + uint64_t(GIVE_UP_S * CLOCK_HZ);
     if (too_late) ask_for(SCHED_OTHER);
     if (asleep || too_late) {
       anchor_s = now;
-      due = anchor_cycle = device.cycle();
+      due = anchor_cycle = device.now();
     }
     device.run_to(due);
   }

@@ -42,7 +42,8 @@ OBJECTS = {
 }
 MANDATORY, PRIVATE = range(3), range(128, 256)
 LONGEST_OBJECT = 244
-SERVER_ID_BYTES, ADDITIONAL_BYTES, PRIVATE_BYTES, IDENTITY_BYTES = 16, 234, 512, 2048
+SERVER_ID_BYTES, PRIVATE_BYTES, IDENTITY_BYTES = 16, 512, 2048
+REPORT_BYTES = 250  # identifier and additional data of function 11: a PDU of 253 less three
 CONFORMITIES = (1, 2, 3, 129, 130, 131)
 WIDTHS = {  # bits
     "SERVER_ID": 128,
@@ -205,7 +206,8 @@ def check_size(identity, objects, conformity):
 def identity(document):
     """Parameters of the core for the identity keys, without those that are as by default."""
     server = numbers("server_id", document.get("server_id", [9]), BYTES, range(1, SERVER_ID_BYTES + 1))
-    more = numbers("additional_data", document.get("additional_data", []), BYTES, range(ADDITIONAL_BYTES + 1))
+    room = REPORT_BYTES - len(server)
+    more = numbers("additional_data", document.get("additional_data", []), BYTES, range(room + 1))
     conformity = document.get("conformity", DEFAULT_CONFORMITY)
     if not is_number(conformity, CONFORMITIES):
         raise BadVariable(f"conformity: must be one of {', '.join(map(str, CONFORMITIES))}")

@@ -12,11 +12,8 @@
 `include "modbus_defs.vh"
 
 module modbus_live #(
-  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 1024,
-  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 2048,
-  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 1024,
-  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 2048,
-  parameter integer FILE_COUNT = 4,     parameter integer FILE_RECORDS = 256,
+`include "modbus_tables.vh"
+  ,
 `include "modbus_config.vh"
 ) (
   input  wire        clk_i,
@@ -57,7 +54,10 @@ module modbus_live #(
   reg  [3:0]  failure_q  = 4'd0;
   reg  [7:0]  exception_status_q = 8'd0;
   reg         run_indicator_q    = 1'b0;
+  // Bit 0 is the core's own:
+  // verilator lint_off UNUSED
   reg  [15:0] diagnostic_q       = 16'd0;
+  // verilator lint_on UNUSED
   reg         host_stb_q = 1'b0;
   reg  [18:0] host_adr_q = 19'd0;
   reg  [15:0] host_dat_q = 16'd0;
@@ -117,20 +117,12 @@ module modbus_live #(
 
 `include "modbus_bank_wires.vh"
 
-  assign wb_err = 1'b0;
-
-  // A table that MAP does not name does not exist.
-  localparam [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS
-    & ~((COIL_COUNT == 0)     ? `MB_COIL_FUNCTIONS     : 128'd0)
-    & ~((DISCRETE_COUNT == 0) ? `MB_DISCRETE_FUNCTIONS : 128'd0)
-    & ~((INPUT_COUNT == 0)    ? `MB_INPUT_FUNCTIONS    : 128'd0)
-    & ~((HOLDING_COUNT == 0)  ? `MB_HOLDING_FUNCTIONS  : 128'd0)
-    & ~((FILE_COUNT == 0)     ? `MB_FILE_FUNCTIONS     : 128'd0);
+`include "modbus_table_codes.vh"
 
   // The device has no host: its outputs are open.
   // verilator lint_off PINCONNECTEMPTY
   modbus_rtu_core #(
-    .FUNCTION_CODES(FUNCTION_CODES),
+    .FUNCTION_CODES(TABLE_CODES),
 `include "modbus_config_inst.vh"
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_q), .rxd_i(rxd_q), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
@@ -141,9 +133,7 @@ module modbus_live #(
   );
 
   modbus_bank_ram #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
-    .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
-    .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS)
+`include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_q), .write_lock_i(1'b0), .host_cyc_i(host_stb_q), .host_stb_i(host_stb_q),
     .host_we_i(host_stb_q), .host_adr_i(host_adr_q), .host_dat_i(host_dat_q), .host_dat_o(), .host_ack_o(host_ack_o),

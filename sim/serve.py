@@ -9,22 +9,18 @@ Exit status: 0 after SIGINT or SIGTERM, 2 for a bad variable, 1 if the model doe
 Needs Python's standard library only, so that `make serve` needs no virtual environment.
 """
 
-import contextlib
-import fcntl
-import hashlib
 import os
 import re
-import shutil
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
-from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load
-
 ROOT = Path(__file__).resolve().parents[1]
-LISTS = ("rtl/modbus.f", "examples/examples.f")  # files of the core, and what is built around it
-CACHE = ROOT / "build" / "live"
+sys.path.insert(0, str(ROOT / "tools"))
+
+import filelist  # noqa: E402
+import models  # noqa: E402
+from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load  # noqa: E402
 
 CLOCK_HZ = 1_843_200  # divides 9600 to 115200 baud without rest, and 2 cores simulate it in passing
 BIT_TIMES = range(8, 65536)  # clock cycles per bit that the core takes
@@ -166,74 +162,22 @@ def check_link(link):
     return True
 
 
-def sources():
-    """Every file that a build can draw in."""
-    listed = [word for name in LISTS for word in (ROOT / name).read_text().split()]
-    files = [ROOT / name for name in listed if not name.startswith("+")]
-    folders = [ROOT / name.removeprefix("+incdir+") for name in listed if name.startswith("+")]
-    own = [path for pattern in ("modbus_live*.v", "*.cpp", "*.h") for path in (ROOT / "sim").glob(pattern)]
-    return sorted({*files, *(path for folder in folders for path in folder.glob("*.vh")), *own})
-
-
 def compiled(top, values):
     """Path of the bridge for a top module and its parameters, compiled now unless that was done before."""
-    command = [
-        *("verilator", "--cc", "--exe", "--build", "-j", "2", "-O3", "-Wno-fatal"),
-        *("--language", "1364-2005", "--x-assign", "fast", "--x-initial", "fast", "--noassert"),
-        *("--top-module", top, "--prefix", "Vslave", "-o", "bridge"),
-        *("-MAKEFLAGS", "OPT_FAST=-O3", "-CFLAGS", f"-std=c++17 -DCLOCK_HZ={CLOCK_HZ}"),
-        *(word for name in LISTS for word in ("-f", name)),
-        *(f"sim/{top}.v", str(ROOT / "sim" / "bridge.cpp")),
-        *(f"-G{name}={value}" for name, value in values.items()),
-    ]
-    digest = hashlib.sha256(" ".join(command).encode())
-    for path in sources():
-        digest.update(path.read_bytes())
-    key = digest.hexdigest()[:12]
-    bridge = CACHE / key / "bridge"
-    CACHE.mkdir(parents=True, exist_ok=True)
-    with open(CACHE / f"{key}.lock", "w") as lock:  # two devices may start at the same moment
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not bridge.exists():
-            build(command, CACHE / f"{key}.tmp", bridge)
-    return bridge
-
-
-def build(command, folder, bridge):
-    """Run Verilator and the C++ compiler in `folder`; only the finished program reaches `bridge`."""
-    say("compiling the device (10 to 30 s, once for each map and identity)")
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
-    log = folder / "build.log"
-    environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    if shutil.which("ccache"):
-        environment["OBJCACHE"] = "ccache"
-    with open(log, "wb") as out:
-        try:
-            process = subprocess.Popen(
-                [*command, "-Mdir", str(folder.relative_to(ROOT))],
-                cwd=ROOT,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
-        except FileNotFoundError:
-            raise SystemExit("serve: verilator is not installed") from None
-        try:
-            status = process.wait()
-        except BaseException:  # ended by a signal: the compilers end too
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            shutil.rmtree(folder, ignore_errors=True)
-            raise
-    if status or not (folder / "bridge").exists():
-        sys.stderr.write(log.read_text(errors="replace")[-4000:])
-        raise SystemExit("serve: the device does not compile")
-    bridge.parent.mkdir(exist_ok=True)
-    os.replace(folder / "bridge", bridge)
-    shutil.rmtree(folder)
+    files, folders = filelist.read(ROOT, *filelist.ALL)
+    model = models.Model(
+        top,
+        ROOT / "sim" / "bridge.cpp",
+        [*(ROOT / name for name in files), ROOT / "sim" / f"{top}.v"],
+        [ROOT / name for name in folders],
+        values,
+        {"CLOCK_HZ": CLOCK_HZ},
+        shared=False,
+    )
+    try:
+        return models.compiled(model, lambda: say("compiling the device (10 to 30 s, once for each map and identity)"))
+    except models.BuildError as error:
+        raise SystemExit(f"serve: the device does not compile: {error}") from None
 
 
 def say(text):

@@ -8,9 +8,9 @@ import subprocess
 
 import pytest
 from harness.build import NO_FLOORS, REFERENCE
-from harness.runner import ROOT, run, source_of
+from harness.runner import ROOT, expanded, run, source_of
 
-MASTER, SLAVE = "bus_master_bench", "axil_slave_bench"
+MASTER, SLAVE, MAPPING = "bus_master_bench", "axil_slave_bench", "host_map_bench"
 MAPPED = {**NO_FLOORS, **REFERENCE}
 # Places that no table begins at: nothing of an address is a constant.
 SCATTERED = {
@@ -26,11 +26,22 @@ SCATTERED = {
 SUITES = {
     "axil_master": (MASTER, {**MAPPED, "AXIL": 1}, "master", None),
     "axil_master_scattered": (MASTER, {**SCATTERED, "AXIL": 1}, "master", "waits/odds=0.3|files|tables"),
+    "axil_master_two_tables": (
+        MASTER,
+        {**MAPPED, "AXIL": 1, "DISCRETE_COUNT": 0, "HOLDING_COUNT": 0},
+        "master",
+        "missing_table",
+    ),
     "axil_master_unguarded": (MASTER, {**MAPPED, "AXIL": 1, "GUARD": 0}, "master", "waits/odds=0.5|tables"),
     "wishbone_master": (MASTER, {**MAPPED, "AXIL": 0}, "master", None),
     "axil_slave": (SLAVE, MAPPED, "slave", None),
     "wishbone_host": ("slave_bench", MAPPED, "slave", None),
+    "host_map_axil": (MAPPING, {**MAPPED, "AXIL": 1}, "host_map", None),
+    "host_map_wishbone": (MAPPING, {**MAPPED, "AXIL": 0}, "host_map", None),
+    "host_map_reads_only": (MAPPING, {**MAPPED, "AXIL": 0, "HOST_SETTINGS": 0}, "host_map", "item|counters"),
+    "host_map_left_out": (MAPPING, {**MAPPED, "AXIL": 1, "HOST_MAP": 0}, "host_map", "left_out"),
     "soc_axil": ("modbus_example_soc_axil", NO_FLOORS, "soc", None),
+    "soc_axil_largest": ("modbus_example_soc_axil", {**NO_FLOORS, "WORDS": 65536}, "soc", "half_a_write"),
     "soc_wishbone": ("modbus_example_soc_wb", NO_FLOORS, "soc", None),
 }
 
@@ -51,24 +62,26 @@ WINDOW = 0x40000  # bytes of a table
 def test_parameters_are_those_of_the_rtl():
     """Names and defaults on the page; what stands there as one row is what other banks have too."""
     for module in ("modbus_axil_master", "modbus_axil_slave"):
-        text = source_of(module).read_text(encoding="utf-8")
-        head = text[: text.index(") (")]
+        text = expanded(source_of(module))
+        head = text[text.index(f"\nmodule {module} ") :]
+        head = head[: head.index(") (")]
         declared = dict(re.findall(r"parameter\s+(?:integer|\[31:0\])\s+(\w+)\s*=\s*([\w']+)", head))
         page = PAGE.read_text(encoding="utf-8")
         table = page[page.index(f"\n`{module}`:") :].split("\n\n")[1]
         listed = dict(re.findall(r"^\| `(\w+)` \| ([\w']+) \|", table, re.M))
         assert listed and listed.items() <= declared.items(), f"{module}: {listed} on the page, {declared} in the RTL"
         others = set(declared) - set(listed)
-        assert all(re.search("_(BASE|COUNT|RECORDS)$", name) for name in others), f"{module}: not on the page: {others}"
+        tables = re.compile("_(BASE|COUNT|RECORDS)$|^OVERLAY$")
+        assert all(tables.search(name) for name in others), f"{module}: not on the page: {others}"
 
 
 def test_map_is_one_map():
     """Page, header, test bench and the RTL's defaults."""
     page, header = PAGE.read_text(encoding="utf-8"), HEADER.read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([^|,]+?)(?:,[^|]*)? \| (\d) \| ([0-9A-F]{6})H(?: \+ 4n)? \| ?(?:`(\w+)`)?", page, re.M)
-    assert [int(space) for _, space, *_ in rows] == [*range(5), 7], rows
+    assert [int(space) for _, space, *_ in rows] == [*range(6), 7], rows
     rtl = source_of("modbus_axil_master").read_text(encoding="utf-8")
-    macros = ("COILS", "DISCRETES", "INPUTS", "HOLDINGS", "FILES", "HOLD")
+    macros = ("COILS", "DISCRETES", "INPUTS", "HOLDINGS", "FILES", "CORE", "HOLD")
     for (_, space, offset, parameter), macro in zip(rows, macros, strict=True):
         place = int(offset, 16)
         assert place == int(space) * WINDOW
@@ -92,9 +105,11 @@ def test_header_compiles_and_reaches_the_words(tmp_path):
             MODBUS_COIL(1) = 1; MODBUS_DISCRETE(2) = 2; MODBUS_INPUT(3) = 3; MODBUS_HOLDING(65535) = 4;
             MODBUS_RECORD(3, 7, 256) = 5;
             modbus_write32(MODBUS_INPUTS, 8, 0x12345678);
+            MODBUS_BIT_TIME = 434; MODBUS_STATUS(0x0A) = 9;
             return !(words[1] == 1 && words[0x10002] == 2 && words[0x20003] == 3 && words[0x3FFFF] == 4
                      && words[0x40000 + 519] == 5 && words[0x20008] == 0x1234 && words[0x20009] == 0x5678
-                     && words[0x70000] == 0 && modbus_read32(MODBUS_INPUTS, 8) == 0x12345678);
+                     && words[0x70000] == 0
+                     && words[0x50081] == 434 && words[0x5000A] == 9 && modbus_read32(MODBUS_INPUTS, 8) == 0x12345678);
         }
         """,
         encoding="utf-8",

@@ -6,7 +6,8 @@ import re
 
 import pytest
 from harness.runner import ROOT
-from test_parameters import DERIVED, elaborate, header
+from interface import DERIVED, header
+from test_parameters import elaborate
 
 PDM, USER = "modbus_pdm_meter", "modbus_example_user"
 
@@ -14,6 +15,11 @@ LEGAL = [
     (PDM, {}),
     (PDM, {"DI_COUNT": 0, "DO_COUNT": 0, "MEASURED_COUNT": 0, "SETTING_COUNT": 1}),
     (PDM, {"EVENT_DEPTH": 1024}),
+    (PDM, {"DI_COUNT": 65536, "DO_COUNT": 65536}),
+    ("modbus_example_ram", {"WORDS": 2}),
+    ("modbus_example_ram", {"WORDS": 65536}),
+    ("modbus_example_soc_axil", {"WORDS": 32769}),
+    ("modbus_example_soc_wb", {"WORDS": 65536}),
     (USER, {"WORK_CLOCKS": 2}),
     (USER, {"WORK_CLOCKS": 16777215}),
 ]

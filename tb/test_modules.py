@@ -35,6 +35,12 @@ MODULES = {
     "alive": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 7}, "line.alive"),
     "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "line.alive"),
     "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "line.alive"),
+    "program": ("modbus_program", {}, "engine.program"),
+    "sequencer": ("modbus_sequencer", {"USER_CODES": 1 << 65}, "engine.sequencer"),
+    "range": ("modbus_range", {}, "engine.range"),
+    "burst": ("modbus_burst", {}, "engine.burst"),
+    "frame_ram": ("modbus_frame_ram", {}, "engine.frame_ram"),
+    "diagnostics": ("modbus_diagnostics", {}, "engine.diagnostics"),
     "bank_guard": ("modbus_bank_guard", {**TABLES, **SOME_READ_ONLY}, "bank.bank_guard"),
     "bank_guard_whole": (
         "modbus_bank_guard",

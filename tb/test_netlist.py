@@ -3,10 +3,11 @@
 """The slave as gates of an iCE40 (Yosys synth_ice40), in Icarus, at its ports: what `make synth` measures is right.
 
 No input is tied, the parameters are those of the profiles of tools/synth.py, but for the floors of t1.5 and t3.5:
-none, or in a short time. Gates simulate 60 to 100 characters a second, so the usual run plays a selection;
-FULL=1 plays everything that needs no more than the ports.
+none, or in a short time. Gates simulate 60 to 100 characters a second, so the usual run plays a selection and
+FULL=1 some suites more; GATES=1 plays everything that needs no more than the ports, which takes hours.
 """
 
+import os
 
 import pytest
 from conftest import FULL
@@ -64,10 +65,13 @@ SUITES_ON_GATES = {
     **{f"{build}_{module}": (*BUILDS[build], module, None) for build, modules in BASIC.items() for module in modules},
 }
 
+IN_FULL = ("fifo", "files_ten", "identity_82", "io_read_only", "left_out_only_08", "functions_limited")
+GATES = tuple(SUITES_ON_GATES) if os.environ.get("GATES") == "1" else IN_FULL if FULL else ()
 
-if FULL:
 
-    @pytest.mark.parametrize("suite", SUITES_ON_GATES)
+if GATES:
+
+    @pytest.mark.parametrize("suite", GATES)
     def test_system_on_gates(record_property, suite, seed):
         top, parameters, module, only = SUITES_ON_GATES[suite]
         env, own = {"BENCH_SEED": str(seed)}, f"gates_{suite}"

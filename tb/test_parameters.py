@@ -2,13 +2,16 @@
 # Copyright (c) 2026 the project contributors
 """Illegal parameters stop elaboration; docs/parameters.md says what the RTL has."""
 
+import random
 import re
 import shutil
 import subprocess
 
+import parameter_space
 import pytest
 from harness.build import config_parameters, for_simulator, function_mask, text_value
-from harness.runner import ROOT, source_of, sources
+from harness.runner import ROOT, sources
+from interface import DERIVED, fields, header, macros, number
 from protocol.defs import ALL_FUNCTIONS, CONFORMITIES, FC, LONGEST_OBJECT
 
 SLAVE, IO, CORE = "modbus_rtu_slave", "modbus_rtu_slave_io", "modbus_rtu_core"
@@ -123,6 +126,9 @@ ILLEGAL = [
     (CORE, config_parameters({"objects": dict.fromkeys((*range(7), 0x80, 0x81), b"a" * LONGEST_OBJECT)})),
     ("modbus_axil_master", {"HOLDING_AT": 0x1002}),
     ("modbus_axil_master", {"COIL_BASE": 65535, "COIL_COUNT": 2}),
+    ("modbus_axil_master", {"OVERLAY": 1}),
+    (IO, {"FILE_COUNT": 1}),
+    (IO, {"OVERLAY": 1}),
     ("modbus_example_ram", {"WORDS": 65537}),
 ]
 
@@ -167,23 +173,17 @@ def test_illegal_parameters_stop_elaboration(tool, case):
     assert "ERROR_modbus" in messages, messages
 
 
+@pytest.mark.parametrize("module", sorted(parameter_space.SPACE))
+def test_drawn_parameters_are_legal(module, seed):
+    """The parameter space that lint draws from: two sets of each module elaborate."""
+    rng = random.Random(f"{seed} {module}")
+    for _ in range(2):
+        drawn = parameter_space.draw(module, rng)
+        status, messages = elaborate("icarus", module, drawn)
+        assert status == 0 and "ERROR_" not in messages, f"{drawn}: {messages}"
+
+
 # ------------------------------------------------------------------ the document
-
-
-def header(top):
-    """(parameters {name: default text}, ports {name: (direction, width text)}) of a module."""
-    text = source_of(top).read_text(encoding="utf-8")
-    text = re.sub(r"//.*", "", text)
-    text = text[re.search(rf"\bmodule\s+{top}\b", text).end() :]
-    head = text[: text.index(");")]
-    parameters = dict(
-        re.findall(r"\bparameter\s+(?:integer\s+|\[[^\]]*\]\s*)?(\w+)\s*=\s*([^,\n)]+(?:\([^)]*\)[^,\n)]*)*)", head)
-    )
-    ports = {
-        port: (direction, width or "1")
-        for direction, width, port in re.findall(r"\b(input|output)\s+(?:wire|reg)\s+(?:\[([^\]]+)\]\s*)?(\w+)", head)
-    }
-    return {k: v.strip() for k, v in parameters.items()}, ports
 
 
 def rows():
@@ -202,12 +202,9 @@ def rows():
 
 
 def documented(kind):
-    """{name: {column: cell}} of the parameter or port tables."""
-    first = {"parameter": "Name", "port": "Port"}[kind]
+    """{name: {column: cell}} of the parameter, port or field tables."""
+    first = {"parameter": "Name", "port": "Port", "field": "Field"}[kind]
     return {cells[0]: dict(zip(columns, cells)) for columns, cells in rows() if columns[0] == first}
-
-
-DERIVED = re.compile(r"\w+_WIDTH")  # named in the text only: nobody sets them
 
 
 def test_every_parameter_is_documented():
@@ -220,16 +217,6 @@ def test_every_port_is_documented():
     wanted = {p for top in TOPS for p in header(top)[1]}
     assert wanted, "no port found in the RTL"
     assert set(documented("port")) == wanted
-
-
-def number(text):
-    """Value of a Verilog or plain number, or a text in quotes."""
-    text = text.strip().strip("`")
-    if text.startswith('"'):
-        return text
-    text = text.replace("_", "").replace(" ", "")
-    based = re.fullmatch(r"\d*'([hHdD])([0-9a-fA-F]+)", text)
-    return int(based[2], 16 if based[1] in "hH" else 10) if based else int(text, 0)
 
 
 @pytest.mark.parametrize("top", TOPS)
@@ -256,3 +243,25 @@ def test_directions_and_widths_are_as_documented(top):
             assert int(row["Width"]) == int(bits[1]) + 1, f"{port} is [{width}], document {row['Width']}"
         if width == "1":
             assert row["Width"] == "1", f"{port}: document {row['Width']}"
+
+
+VECTORS = {
+    "SET": "MB_SETTINGS_WIDTH",
+    "HOST": "MB_HOST_STATE_WIDTH",
+    "EVENT": "MB_EVENTS_WIDTH",
+    "USER": "MB_USER_REPLY_WIDTH",
+}
+
+
+def test_fields_are_as_documented():
+    """Each field of the vectors at the core's ports, with its bits."""
+    wanted = {f"MB_{kind}_{name}": macros()[f"MB_{kind}_{name}"] for kind in VECTORS for name in fields(kind)}
+    assert len(wanted) > 20, "the fields were not found"
+    assert {name: row["Bits"] for name, row in documented("field").items()} == wanted
+
+
+@pytest.mark.parametrize("kind", VECTORS)
+def test_fields_fill_their_vector(kind):
+    """Without a hole and without an overlap."""
+    bits = [bit for high, low in fields(kind).values() for bit in range(low, high + 1)]
+    assert bits == list(range(number(VECTORS[kind])))

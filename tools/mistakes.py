@@ -119,89 +119,84 @@ MISTAKES = [
         "wire for_all   = none & broadcast_en_i;",
         "wire for_all   = none;",
     ),
-    Mistake(
-        "broadcast_read_goes_on",
-        "modbus_program.v",
-        "entry = jump(`MB_JUMP_UNICAST, READ_COILS[8:0]);",
-        "entry = go(READ_COILS[8:0]);",
-    ),
+    Mistake("broadcast_read_goes_on", "modbus_routines_tables.vh", "GO_IF_UNICAST(READ_COILS)", "GO(READ_COILS)"),
     Mistake(
         "mask_write_goes_on_in_a_broadcast",
-        "modbus_program.v",
-        "entry = jump(`MB_JUMP_UNICAST, MASK_WRITE[8:0]);",
-        "entry = go(MASK_WRITE[8:0]);",
+        "modbus_routines_tables.vh",
+        "GO_IF_UNICAST(MASK_WRITE)",
+        "GO(MASK_WRITE)",
     ),
     Mistake(
         "function_code_seen_through_five_bits",
-        "modbus_dispatch.v",
-        "wire       fits  = (byte_i[7:5] == 3'd0) & ",
-        "wire       fits  = ",
+        "modbus_sequencer.v",
+        "byte_i[4:0] | {5{byte_i[7:5] != 3'd0}}",
+        "byte_i[4:0]",
     ),
     Mistake(
         "quantity_limit_one_too_low",
-        "modbus_data_access.v",
-        "{1'b0, room_i};",
-        "{1'b0, room_i} + 12'd1;",
+        "modbus_range.v",
+        "{1'b0, argument_i[`MB_ARG_ROOM]};",
+        "{1'b0, argument_i[`MB_ARG_ROOM]} + 12'd1;",
     ),
-    Mistake("quantity_seen_through_eleven_bits", "modbus_data_access.v", "(less_one_q[15:11] == 5'd0) & ", ""),
+    Mistake("quantity_seen_through_eleven_bits", "modbus_range.v", "(less_one_q[15:11] == 5'd0) & ", ""),
     Mistake(
         "any_coil_value_means_on",
-        "modbus_dispatch.v",
-        "zero_q & (held_i == 8'h00 || (held_i == 8'hFF && !argument[0]))",
+        "modbus_sequencer.v",
+        "zero_q & (held_i == 8'h00 || (held_i == 8'hFF && !argument[`MB_ARG_ZERO]))",
         "zero_q",
     ),
-    Mistake("extra_bytes_accepted", "modbus_dispatch.v", "no_words_q : left_q", "no_words_q : 1'b0"),
-    Mistake("byte_count_not_compared", "modbus_dispatch.v", "| (is_byte_count & third & ~count_held_q)", ""),
+    Mistake("extra_bytes_accepted", "modbus_sequencer.v", "no_words_q : left_q", "no_words_q : 1'b0"),
+    Mistake("byte_count_not_compared", "modbus_sequencer.v", "| (is_byte_count & clock_3 & ~count_held_q)", ""),
     Mistake(
         "end_of_address_space_wraps",
-        "modbus_dispatch.v",
-        "(over_i | (argument[1] & beyond_i))",
-        "(argument[1] & beyond_i)",
+        "modbus_range.v",
+        "assign past_end_o = past_ffff_q | (",
+        "assign past_end_o = (",
     ),
     Mistake("table_one_item_too_long", "modbus_bank_guard.v", "(last_i <= high)", "(last_i <= high + 16'd1)"),
     Mistake("first_address_not_compared", "modbus_bank_guard.v", "(first_i >= low) & ", ""),
     Mistake(
-        "read_only_range_open_at_its_end", "modbus_bank_guard.v", "(first <= RO_LAST[15:0])", "(first < RO_LAST[15:0])"
+        "read_only_range_open_at_its_end", "modbus_bank_guard.v", "first > RO_LAST[15:0];", "first >= RO_LAST[15:0];"
     ),
     Mistake(
         "refusal_taken_for_a_grant",
-        "modbus_data_access.v",
-        """(grant_ack_i ? exception_i != 4'd0 : stall_i);
-  wire granted    = grant_i & grant_ack_i & (exception_i == 4'd0);""",
-        """(grant_ack_i ? 1'b0 : stall_i);
-  wire granted    = grant_i & grant_ack_i;""",
+        "modbus_burst.v",
+        """grant_ack_i & (exception_i == 4'd0);
+  wire refused  = asks & (past_end_i | (grant_ack_i ? exception_i != 4'd0 : stall_i));""",
+        """grant_ack_i;
+  wire refused  = asks & (past_end_i | (~grant_ack_i & stall_i));""",
     ),
     Mistake(
         "second_question_left_out",
         "modbus_routines_data.vh",
-        "11: read_write = plain(`MB_STEP_GRANT, NO_FLAG);",
-        "11: read_write = at(`MB_STEP_POINT, AT_RW_WRITE, NO_FLAG);",
+        """  `DO(GRANT_READ)
+  `DO(NEXT_IF_READY)
+  `DO(ADDRESS)
+""",
+        """  `DO(NEXT_IF_READY)
+  `DO(ADDRESS)
+""",
     ),
     Mistake(
         "bus_error_not_noticed",
-        "modbus_data_access.v",
+        "modbus_burst.v",
         "stb & (wb_err_i | (stall_i & ~wb_ack_i))",
         "stb & stall_i & ~wb_ack_i",
     ),
     Mistake(
         "stall_in_the_burst_for_ever",
-        "modbus_data_access.v",
+        "modbus_burst.v",
         "stb & (wb_err_i | (stall_i & ~wb_ack_i))",
         "stb & wb_err_i",
     ),
     Mistake(
         "busy_ignored",
-        "modbus_dispatch.v",
+        "modbus_sequencer.v",
         "unready_q    <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;",
         "unready_q    <= failure_i;",
     ),
-    Mistake(
-        "unused_bits_not_zero",
-        "modbus_data_access.v",
-        "{data[0] & beat, held_q[7:1]}",
-        "{data[0], held_q[7:1]}",
-    ),
-    Mistake("address_stands_still_in_a_burst", "modbus_data_access.v", "{{15{set_address}}, 1'b1}", "16'd0"),
+    Mistake("unused_bits_not_zero", "modbus_burst.v", "{data[0] & beat, held_q[7:1]}", "{data[0], held_q[7:1]}"),
+    Mistake("address_stands_still_in_a_burst", "modbus_range.v", "{{15{set_address}}, 1'b1}", "16'd0"),
     Mistake(
         "driver_off_before_the_tail",
         "modbus_frame_tx.v",
@@ -255,10 +250,20 @@ MISTAKES = [
     Mistake(
         "host_breaks_into_a_burst",
         "modbus_bank_ram.v",
-        "host_cyc_i & (host_q | ~wb_cyc_i) & ~rst_i",
-        "host_cyc_i & ~rst_i",
+        "host_cyc_i & (host_q | ~wb_cyc_i) & ~lend",
+        "host_cyc_i & ~lend",
     ),
-    Mistake("write_pulse_for_reads_too", "modbus_dispatch.v", "is_range & fourth & argument[2];", "is_range & fourth;"),
+    Mistake(
+        "refusal_waits_for_the_host", "modbus_bank_ram.v", "wire        lend = host_q &", "wire        lend = 1'b0 &"
+    ),
+    Mistake("grant_does_not_wait_for_the_host", "modbus_bank_ram.v", ".wait_i(lent_q)", ".wait_i(1'b0)"),
+    Mistake("host_loses_its_block_to_a_question", "modbus_bank_ram.v", "(ack | ~host_stb_i)", "(ready_q | host_stb_i)"),
+    Mistake(
+        "write_pulse_for_reads_too",
+        "modbus_sequencer.v",
+        "assign write_stb_o = is_tell;",
+        "assign write_stb_o = is_tell | (is_grant & done_i);",
+    ),
     # the line
     Mistake(
         "broadcast_taken_for_a_foreign_frame",
@@ -269,66 +274,71 @@ MISTAKES = [
     Mistake(
         "after_a_restart_the_line_is_heard_at_once",
         "modbus_routines_frame.vh",
-        "`MB_MODE_EMPTY | `MB_MODE_LINE)",
-        "`MB_MODE_EMPTY)",
+        "WAIT | ACTIVE | EMPTY | LINE",
+        "WAIT | ACTIVE | EMPTY",
     ),
     # what is counted
     Mistake(
         "foreign_frames_not_counted",
         "modbus_routines_frame.vh",
-        "(n == 0) ? count(`MB_CPT_BUS_MESSAGE, `MB_WHEN_ALWAYS) : REST",
-        "REST",
+        """  `DO(COUNT(`MB_CPT_BUS_MESSAGE, `MB_WHEN_ALWAYS))
+  `DO(REST)
+""",
+        """  `DO(REST)
+""",
     ),
     Mistake(
         "exceptions_not_counted",
-        "modbus_routines_frame.vh",
-        "1: tail = count(`MB_CPT_EXCEPTION, `MB_WHEN_EXCEPTION);",
-        "1: tail = count(`MB_CPT_EXCEPTION, `MB_WHEN_LONG);",
+        "modbus_routines_answer.vh",
+        "`DO(COUNT(`MB_CPT_EXCEPTION, `MB_WHEN_EXCEPTION))",
+        "`DO(COUNT(`MB_CPT_EXCEPTION, `MB_WHEN_LONG))",
     ),
     Mistake(
         "exception_07_counted_as_busy",
-        "modbus_routines_frame.vh",
-        "2: tail = count(`MB_CPT_BUSY, `MB_WHEN_BUSY);",
-        "2: tail = count(`MB_CPT_BUSY, `MB_WHEN_NAK);",
+        "modbus_routines_answer.vh",
+        "`DO(COUNT(`MB_CPT_BUSY, `MB_WHEN_BUSY))",
+        "`DO(COUNT(`MB_CPT_BUSY, `MB_WHEN_NAK))",
     ),
     Mistake(
         "exception_in_a_broadcast_counted_as_answered",
-        "modbus_dispatch.v",
+        "modbus_sequencer.v",
         "wire refusal = failed_q & ~broadcast_q;",
         "wire refusal = failed_q;",
     ),
     Mistake(
         "broadcast_counted_as_answered",
-        "modbus_routines_frame.vh",
-        "4: tail = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_BROADCAST);",
-        "4: tail = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_LONG);",
+        "modbus_routines_answer.vh",
+        "`DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_BROADCAST))",
+        "`DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_LONG))",
     ),
     Mistake("counted_twice", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "16'd2"),
     Mistake("counter_stops_at_its_end", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "{15'd0, ~&word_q}"),
     Mistake(
         "wrong_counter",
         "modbus_routines_frame.vh",
-        "5: start = count(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS);",
-        "5: start = count(`MB_CPT_NO_RESPONSE, `MB_WHEN_ALWAYS);",
+        "`DO(COUNT(`MB_CPT_SLAVE_MESSAGE, `MB_WHEN_ALWAYS))",
+        "`DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_ALWAYS)) ",
     ),
-    Mistake("last_counter_not_cleared", "modbus_routines_frame.vh", "clearing = (n < 9)", "clearing = (n < 8)"),
     Mistake(
-        "event_counter_counts_0b",
-        "modbus_routines_diagnostics.vh",
-        "go(TAIL[8:0] + 9'd1)",
-        "go(TAIL[8:0])",
+        "last_counter_not_cleared",
+        "modbus_routines_frame.vh",
+        """  `DO(CLEAR(`MB_CPT_OVERRUN))
+""",
+        "",
     ),
+    Mistake("event_counter_counts_0b", "modbus_routines_diagnostics.vh", "GO(TAIL_NO_EVENT)", "GO(TAIL)"),
     Mistake(
         "event_counter_counts_exceptions",
-        "modbus_routines_frame.vh",
-        "0: tail = count(`MB_CPT_EVENT, `MB_WHEN_SUCCESS);",
-        "0: tail = count(`MB_CPT_EVENT, `MB_WHEN_ALWAYS);",
+        "modbus_routines_answer.vh",
+        "`DO(COUNT(`MB_CPT_EVENT, `MB_WHEN_SUCCESS))",
+        "`DO(COUNT(`MB_CPT_EVENT, `MB_WHEN_ALWAYS))",
     ),
     Mistake(
         "listen_only_request_does_not_count_as_success",
         "modbus_routines_diagnostics.vh",
-        "2: sub_listen = count(`MB_CPT_EVENT, `MB_WHEN_ALWAYS);",
-        "2: sub_listen = count(`MB_CPT_EVENT, `MB_WHEN_LONG);",
+        """  `DO(COUNT(`MB_CPT_EVENT, `MB_WHEN_ALWAYS))
+  `DO(COUNT(`MB_CPT_NO_RESPONSE""",
+        "  `DO(COUNT(`MB_CPT_NO_RESPONSE",
     ),
     Mistake(
         "counter_port_acknowledges_too_early",
@@ -337,218 +347,267 @@ MISTAKES = [
         "wire       host  = 1'b1;",
     ),
     # the event log
-    Mistake("log_order_reversed", "modbus_diagnostics.v", "(log_i ? 6'h3F : wanted)", "(log_i ? 6'h01 : wanted)"),
+    Mistake("log_order_reversed", "modbus_diagnostics.v", "(log ? 6'h3F : wanted)", "(log ? 6'h01 : wanted)"),
     Mistake("log_grows_beyond_64", "modbus_diagnostics.v", "entries_q != LOG_ENTRIES", "entries_q != 7'd127"),
     Mistake("log_holds_63", "modbus_diagnostics.v", "LOG_ENTRIES = 7'd64", "LOG_ENTRIES = 7'd63"),
-    Mistake("log_not_emptied_by_ff00", "modbus_diagnostics.v", "if (empty_i) entries_q <= 7'd0;", ""),
-    Mistake("log_emptied_by_0000", "modbus_dispatch.v", "{long_q, 2'b11, held_i[0], 2'b11}", "{long_q, 5'b11111}"),
+    Mistake("log_not_emptied_by_ff00", "modbus_diagnostics.v", "if (do_i[`MB_DO_EMPTY]) entries_q <= 7'd0;", ""),
+    Mistake(
+        "log_emptied_by_0000",
+        "modbus_sequencer.v",
+        "argument[`MB_MODE_EMPTY] & held_i[0]",
+        "argument[`MB_MODE_EMPTY]",
+    ),
     Mistake(
         "broadcast_bit_of_the_receive_event",
         "modbus_routines_frame.vh",
-        "plain(`MB_STEP_LOG, `MB_FLAG_BROADCAST | 11'h080)",
-        "plain(`MB_STEP_LOG, 11'h080)",
+        "LOG_RECEIVED(EVENT_RECEIVED)",
+        "LOG(EVENT_RECEIVED)",
     ),
     Mistake(
         "listen_only_bit_of_the_events",
-        "modbus_dispatch.v",
-        "argument[8] & broadcast_q, listen_only_i,",
-        "argument[8] & broadcast_q, 1'b0,",
+        "modbus_sequencer.v",
+        "& broadcast_q, listen_only_i,",
+        "& broadcast_q, 1'b0,",
     ),
-    Mistake(
-        "overrun_bit_of_the_receive_event",
-        "modbus_routines_frame.vh",
-        "plain(`MB_STEP_LOG, `MB_FLAG_LONG | 11'h082)",
-        "plain(`MB_STEP_LOG, 11'h082)",
-    ),
-    Mistake("busy_bit_of_the_send_event", "modbus_dispatch.v", "code_q == 4'd5 || code_q == 4'd6", "code_q == 4'd6"),
+    Mistake("overrun_bit_of_the_receive_event", "modbus_routines_frame.vh", "LOG_BAD(EVENT_BAD)", "LOG(EVENT_BAD)"),
+    Mistake("busy_bit_of_the_send_event", "modbus_sequencer.v", "code_q == 4'd5 || code_q == 4'd6", "code_q == 4'd6"),
     Mistake(
         "send_event_of_no_exception",
-        "modbus_dispatch.v",
-        "sent & {4{argument[9] & refusal}}",
-        "sent & {4{argument[9]}}",
+        "modbus_sequencer.v",
+        "sent & {4{argument[`MB_ARG_REFUSAL] & refusal}}",
+        "sent & {4{argument[`MB_ARG_REFUSAL]}}",
     ),
     Mistake(
         "log_without_the_entry_into_listen_only",
         "modbus_routines_diagnostics.vh",
-        "5: sub_listen = plain(`MB_STEP_LOG, 11'h004);",
-        "5: sub_listen = plain(`MB_STEP_MODE, 11'h000);",
+        """  `DO(LOG(EVENT_LISTEN))
+""",
+        "",
     ),
     Mistake(
         "restart_not_logged",
         "modbus_routines_frame.vh",
-        "1: restart = plain(`MB_STEP_LOG, 11'h000);",
-        "1: restart = plain(`MB_STEP_MODE, 11'h000);",
+        """  `DO(LOG(EVENT_RESTART))
+""",
+        "",
     ),
     # listen-only mode, restart, the diagnostic register
     Mistake(
         "listen_only_left_by_a_broadcast",
         "modbus_routines_frame.vh",
-        "2: listening = jump(`MB_JUMP_UNICAST, LISTENING[8:0] + 9'd3);",
-        "2: listening = go(LISTENING[8:0] + 9'd3);",
+        "`DO(GO_IF_UNICAST(`NEXT))",
+        "`DO(GO(`NEXT))",
     ),
-    Mistake("listen_only_not_left", "modbus_routines_frame.vh", "`MB_MODE_WAIT | `MB_MODE_ACTIVE", "`MB_MODE_WAIT"),
+    Mistake("listen_only_not_left", "modbus_routines_frame.vh", "WAIT | ACTIVE | EMPTY", "WAIT | EMPTY"),
     Mistake(
         "listen_only_left_by_any_sub_function",
         "modbus_routines_frame.vh",
-        "5: listening = match(8'h01, FUNCTION);",
-        "5: listening = match(8'h01, ANY);",
+        "`DO(MATCH(8'h01, `MB_EX_ILLEGAL_FUNCTION))",
+        "`DO(SKIP_BYTE)",
     ),
     Mistake(
         "listen_only_left_by_a_longer_request",
-        "modbus_routines_frame.vh",
-        "7: listening = plain(`MB_STEP_END, NO_FLAG);",
-        "7: listening = plain(`MB_STEP_MODE, 11'h000);",
+        "modbus_sequencer.v",
+        "(is_end | (is_coil & clock_4))",
+        "(is_end | (is_coil & clock_4 & ~listen_only_i))",
     ),
     Mistake(
         "exception_in_listen_only_answered",
-        "modbus_routines_frame.vh",
-        "0: exception = when(`MB_IF_LISTENING, DONE[8:0]);",
-        "0: exception = when(`MB_IF_LISTENING, EXCEPTION[8:0] + 9'd1);",
+        "modbus_routines_answer.vh",
+        """  if (HAS_DIAGNOSTICS != 0) begin
+    `DO(IF_LISTENING(DONE))
+  end
+""",
+        "",
     ),
     Mistake(
         "restart_without_clearing",
         "modbus_routines_frame.vh",
-        "default: restart = go(CLEARING[8:0]);",
-        "default: restart = REST;",
+        """  `DO(LOG(EVENT_RESTART))
+  `FALL_INTO(CLEARING)""",
+        """  `DO(LOG(EVENT_RESTART))
+  `DO(REST)""",
     ),
     Mistake(
         "restart_clears_the_diagnostic_register",
         "modbus_routines_frame.vh",
-        "`MB_MODE_ACTIVE | `MB_MODE_EMPTY",
-        "`MB_MODE_ACTIVE | `MB_MODE_REGISTER | `MB_MODE_EMPTY",
+        "WAIT | ACTIVE | EMPTY",
+        "WAIT | ACTIVE | REGISTER | EMPTY",
     ),
     Mistake(
         "clearing_leaves_the_diagnostic_register",
         "modbus_routines_diagnostics.vh",
-        "`MB_MODE_WAIT | `MB_MODE_REGISTER",
-        "`MB_MODE_WAIT",
+        "MODE(WAIT | REGISTER)",
+        "MODE(WAIT)",
     ),
     Mistake(
         "overrun_flag_not_set",
         "modbus_routines_frame.vh",
-        "1: bad = plain(`MB_STEP_MODE, `MB_MODE_LONG);",
-        "1: bad = plain(`MB_STEP_MODE, 11'h000);",
+        """  `DO(MODE(TOO_LONG))
+""",
+        "",
     ),
-    Mistake(
-        "overrun_flag_not_cleared_by_0014",
-        "modbus_routines_diagnostics.vh",
-        "`MB_MODE_WAIT | `MB_MODE_OVERRUN",
-        "`MB_MODE_WAIT",
-    ),
+    Mistake("overrun_flag_not_cleared_by_0014", "modbus_routines_diagnostics.vh", "MODE(WAIT | OVERRUN)", "MODE(WAIT)"),
     Mistake(
         "overrun_counter_not_cleared_by_0014",
         "modbus_routines_diagnostics.vh",
-        "7: sub_overrun = plain(`MB_STEP_COUNT, CLEAR | {6'd0, `MB_CPT_OVERRUN});",
-        "7: sub_overrun = REST;",
+        """  `DO(CLEAR(`MB_CPT_OVERRUN))
+""",
+        "",
     ),
     Mistake(
         "diagnostic_bits_do_not_stay",
         "modbus_diagnostics.v",
-        "(clear_register_i ? 15'd0 : register_q[15:1]) | diagnostic_i",
+        "(do_i[`MB_DO_CLEAR_REGISTER] ? 15'd0 : register_q[15:1]) | diagnostic_i",
         "diagnostic_i",
     ),
     # function codes 07, 08, 0B, 11
-    Mistake("exception_status_not_given", "modbus_rtu_core.v", "? exception_status_i :", "? 8'h00 :"),
-    Mistake("data_of_08_not_judged", "modbus_dispatch.v", "(held_i == 8'hFF && !argument[0])", "(held_i == 8'hFF)"),
+    Mistake(
+        "exception_status_not_given",
+        "modbus_engine.v",
+        "chosen = host_state_i[`MB_HOST_EXCEPTION_STATUS];",
+        "chosen = 8'h00;",
+    ),
+    Mistake(
+        "data_of_08_not_judged",
+        "modbus_sequencer.v",
+        "(held_i == 8'hFF && !argument[`MB_ARG_ZERO])",
+        "(held_i == 8'hFF)",
+    ),
     Mistake(
         "high_byte_of_the_sub_function_ignored",
         "modbus_routines_diagnostics.vh",
-        "4: diagnostics = match(8'h00, FUNCTION);",
-        "4: diagnostics = match(8'h00, ANY);",
+        "`DO(MATCH(8'h00, `MB_EX_ILLEGAL_FUNCTION))",
+        "`DO(SKIP_BYTE)",
     ),
     Mistake(
         "odd_query_data_returned",
-        "modbus_dispatch.v",
+        "modbus_sequencer.v",
         "(count_i == 9'd0) | count_i[0] | count_i[8];",
         "(count_i == 9'd0) | count_i[8];",
     ),
     Mistake(
         "low_byte_of_the_delimiter_ignored",
         "modbus_routines_diagnostics.vh",
-        "1: sub_delimiter = match(8'h00, VALUE);",
-        "1: sub_delimiter = match(8'h00, ANY);",
+        "`DO(MATCH(8'h00, `MB_EX_ILLEGAL_DATA_VALUE))",
+        "`DO(SKIP_BYTE)",
     ),
     Mistake(
-        "sub_function_0013_is_there", "modbus_routines_diagnostics.vh", "'h14: sub_entry = ", "'h13, 'h14: sub_entry = "
+        "sub_function_0013_is_there",
+        "modbus_routines_tables.vh",
+        "  `ENTRY(SUB_TABLE, 'h14, GO(SUB_OVERRUN))",
+        """  `ENTRY(SUB_TABLE, 'h13, GO(SUB_OVERRUN))
+  `ENTRY(SUB_TABLE, 'h14, GO(SUB_OVERRUN))""",
+    ),
+    Mistake("busy_not_in_the_status_word", "modbus_engine.v", "{8{host_state_i[`MB_HOST_BUSY]}}", "8'h00"),
+    Mistake(
+        "run_indicator_inverted",
+        "modbus_engine.v",
+        "{8{host_state_i[`MB_HOST_RUN]}}",
+        "{8{~host_state_i[`MB_HOST_RUN]}}",
     ),
     Mistake(
-        "busy_not_in_the_status_word",
-        "modbus_rtu_core.v",
-        "run_indicator_i : busy_i}",
-        "run_indicator_i : 1'b0}",
+        "additional_data_dropped",
+        "modbus_routines_identity.vh",
+        "  if (ADDITIONAL_DATA_BYTES > 0) begin",
+        "  if (ADDITIONAL_DATA_BYTES < 0) begin",
     ),
-    Mistake(
-        "run_indicator_inverted", "modbus_rtu_core.v", "argument[3] ? run_indicator_i", "argument[3] ? ~run_indicator_i"
-    ),
-    Mistake("additional_data_dropped", "modbus_program.v", "(ADDITIONAL_DATA_BYTES > 0) ? 3 : 0", "0"),
     # function code 18
-    Mistake(
-        "queue_of_32_read",
-        "modbus_routines_data.vh",
-        "11'd0 - FIFO_MOST - 11'd1}",
-        "11'd0 - FIFO_MOST - 11'd2}",
-    ),
+    Mistake("queue_of_32_read", "modbus_routines_data.vh", "DEPTH_UP_TO(FIFO_MOST)", "DEPTH_UP_TO(FIFO_MOST + 11'd1)"),
     Mistake(
         "rest_of_the_queue_not_asked_for",
         "modbus_routines_data.vh",
-        "11: read_fifo = plain(`MB_STEP_GRANT, NO_FLAG);",
-        "11: read_fifo = plain(`MB_STEP_RANGE, NO_FLAG);",
+        """  `DO(ADDRESS)
+  `DO(GRANT_READ)
+  `DO(NEXT_IF_READY)
+  `DO(READ_TO_CLEAR(AT_FIFO))""",
+        """  `DO(ADDRESS)
+  `DO(NEXT_IF_READY)
+  `DO(READ_TO_CLEAR(AT_FIFO))""",
     ),
     # function codes 14, 15
-    Mistake("length_of_the_file_answer_not_judged", "modbus_dispatch.v", "| (is_total & fourth & too_long_i)", ""),
-    Mistake("length_of_the_file_answer_one_too_much", "modbus_data_access.v", "NO_GROUP = 8'd5", "NO_GROUP = 8'd4"),
+    Mistake(
+        "length_of_the_file_answer_not_judged",
+        "modbus_sequencer.v",
+        "| (is_total & clock_4 & found_i[`MB_FOUND_TOO_LONG])",
+        "",
+    ),
+    Mistake("length_of_the_file_answer_one_too_much", "modbus_range.v", "NO_GROUP = 8'd5", "NO_GROUP = 8'd4"),
     Mistake(
         "reference_type_of_a_read_ignored",
         "modbus_routines_files.vh",
-        "10: read_files = match(8'h06, ADDRESS);",
-        "10: read_files = match(8'h06, ANY);",
+        """  `DO(MATCH(REFERENCE_TYPE, `MB_EX_ILLEGAL_DATA_ADDRESS))
+  `DO(FILE)
+  `DO(ADDRESS)
+  `DO(QUANTITY(FILE_READ_MOST))""",
+        """  `DO(SKIP_BYTE)
+  `DO(FILE)
+  `DO(ADDRESS)
+  `DO(QUANTITY(FILE_READ_MOST))""",
     ),
     Mistake(
         "reference_type_of_a_write_ignored",
         "modbus_routines_files.vh",
-        "12: write_files = match(8'h06, ADDRESS);",
-        "12: write_files = match(8'h06, ANY);",
+        """  `DO(MATCH(REFERENCE_TYPE, `MB_EX_ILLEGAL_DATA_ADDRESS))
+  `DO(FILE)
+  `DO(ADDRESS)
+  `DO(QUANTITY(FILE_WRITE_MOST))""",
+        """  `DO(SKIP_BYTE)
+  `DO(FILE)
+  `DO(ADDRESS)
+  `DO(QUANTITY(FILE_WRITE_MOST))""",
     ),
-    Mistake("records_beyond_270f", "modbus_data_access.v", "beyond_q <= last_q[15]", "beyond_q <= 1'b0 & last_q[15]"),
-    Mistake("file_0_is_there", "modbus_bank_guard.v", " & few != {FW{1'b0}}", ""),
+    Mistake(
+        "records_beyond_270f",
+        "modbus_range.v",
+        "past_record_q <= last_q[15]",
+        "past_record_q <= 1'b0 & last_q[15]",
+    ),
+    Mistake("file_0_is_there", "modbus_bank_guard.v", " & (few != {FW{1'b0}})", ""),
     Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
     Mistake(
         "second_group_written_before_it_is_granted",
         "modbus_routines_files.vh",
-        "19: write_files = when(`MB_IF_LEFT, WRITE_FILES[8:0] + 9'd12);",
-        "19: write_files = when(`MB_IF_LEFT, WRITE_FILES[8:0] + 9'd20);",
+        """  `DO(PASS_OVER)
+  `DO(IF_LEFT(loop))
+  `DO(NEXT_IF_READY)""",
+        """  `DO(PASS_OVER)
+  `DO(IF_LEFT(`NEXT))
+  `DO(NEXT_IF_READY)""",
     ),
-    Mistake(
-        "write_of_a_file_asked_for_as_a_read",
-        "modbus_routines_files.vh",
-        "17: write_files = plain(`MB_STEP_GRANT, WRITE);",
-        "17: write_files = plain(`MB_STEP_GRANT, NO_FLAG);",
-    ),
+    Mistake("write_of_a_file_asked_for_as_a_read", "modbus_routines_files.vh", "GRANT_WRITE", "GRANT_READ"),
     Mistake(
         "data_of_a_file_write_not_passed_over",
         "modbus_routines_files.vh",
-        "    8: write_files = plain(`MB_STEP_BURST, WRITE | DRY);",
-        "    8: write_files = plain(`MB_STEP_SPACE, {8'd0, FILES});",
+        """  `DO(ADDRESS)
+  `DO(QUANTITY(FILE_WRITE_MOST))
+  `DO(PASS_OVER)
+""",
+        """  `DO(ADDRESS)
+  `DO(QUANTITY(FILE_WRITE_MOST))
+""",
     ),
     Mistake(
         "host_not_told_of_file_records",
         "modbus_routines_files.vh",
-        "36: write_files = plain(`MB_STEP_RANGE, `MB_FLAG_WRITTEN);",
-        "36: write_files = plain(`MB_STEP_RANGE, NO_FLAG);",
+        """  `DO(TELL)
+""",
+        "",
     ),
     Mistake(
         "bus_let_go_between_groups",
         "modbus_routines_files.vh",
-        "28: write_files = plain(`MB_STEP_BURST, WRITE | KEEP);",
-        "28: write_files = plain(`MB_STEP_BURST, WRITE);",
+        "  `DO(WRITE_HERE_KEEP)",
+        "  `DO(WRITE_HERE_KEEP & ~(16'd1 << `MB_ARG_KEEP))",
     ),
     Mistake(
         "answer_of_15_without_its_length",
         "modbus_routines_files.vh",
-        "39: write_files = RECALL;",
-        "39: write_files = plain(`MB_STEP_SPACE, {8'd0, FILES});",
+        """  `DO(RECALL)
+  `DO(POINT(AT_FRAME))""",
+        "  `DO(POINT(AT_FRAME))",
     ),
-    Mistake("length_byte_of_a_group", "modbus_data_access.v", "{quantity, 1'b1};", "{less_one_q[6:0], 1'b1};"),
+    Mistake("length_byte_of_a_group", "modbus_range.v", "{quantity, 1'b1};", "{less_one_q[6:0], 1'b1};"),
     # function code 2B
     Mistake(
         "no_fallback_to_the_first_object",
@@ -559,8 +618,8 @@ MISTAKES = [
     Mistake(
         "object_that_is_not_there_answered_alone",
         "modbus_routines_identity.vh",
-        "32: device_id = match(`MB_TEXT_LAST, ADDRESS);",
-        "32: device_id = match(`MB_TEXT_LAST, ANY);",
+        "`DO(MATCH(`MB_TEXT_LAST, `MB_EX_ILLEGAL_DATA_ADDRESS))",
+        "`DO(SKIP_BYTE)",
     ),
     Mistake(
         "next_object_is_the_first",
@@ -583,43 +642,107 @@ MISTAKES = [
     Mistake(
         "conformity_without_bit_7",
         "modbus_routines_identity.vh",
-        "plain(`MB_STEP_LITERAL, {3'd0, CONFORMITY})",
-        "plain(`MB_STEP_LITERAL, {4'd0, CONFORMITY[6:0]})",
+        "`DO(LITERAL(CONFORMITY))",
+        "`DO(LITERAL({1'b0, CONFORMITY[6:0]}))",
     ),
     Mistake("code_3_answers_at_level_1", "modbus_identity.v", "SECTION_3 : SECTION_OF_2", "SECTION_3 : SECTION_1"),
     Mistake(
         "other_mei_types_taken_for_0e",
         "modbus_routines_identity.vh",
-        "4: device_id = match(8'h0E, FUNCTION);",
-        "4: device_id = match(8'h0E, ANY);",
+        "`DO(MATCH(MEI_DEVICE_ID, `MB_EX_ILLEGAL_FUNCTION))",
+        "`DO(SKIP_BYTE)",
     ),
     # the host's say
-    Mistake("failure_ignored", "modbus_dispatch.v", "`MB_EX_DEVICE_BUSY : failure_i;", "`MB_EX_DEVICE_BUSY : 4'd0;"),
+    Mistake("failure_ignored", "modbus_sequencer.v", "`MB_EX_DEVICE_BUSY : failure_i;", "`MB_EX_DEVICE_BUSY : 4'd0;"),
     Mistake(
         "failure_goes_before_busy",
-        "modbus_dispatch.v",
+        "modbus_sequencer.v",
         "`MB_EX_DEVICE_BUSY : failure_i;",
         "(failure_i | `MB_EX_DEVICE_BUSY) : failure_i;",
     ),
-    Mistake(
-        "too_much_from_the_user_not_noticed",
-        "modbus_rtu_core.v",
-        "(user_exception_i != 4'd0 || excess)",
-        "(user_exception_i != 4'd0)",
-    ),
+    Mistake("too_much_from_the_user_not_noticed", "modbus_engine.v", "(refuses | excess)", "refuses"),
     Mistake(
         "silent_user_waited_for_for_ever",
-        "modbus_rtu_core.v",
-        "(user_exception_i != 4'd0 || excess) : stall);",
-        "(user_exception_i != 4'd0 || excess) : 1'b0);",
+        "modbus_engine.v",
+        "(refuses | excess) : stall_i);",
+        "(refuses | excess) : 1'b0);",
     ),
-    Mistake("broadcasts_offered_to_the_user", "modbus_dispatch.v", "& ~byte_i[7] & ~broadcast_q;", "& ~byte_i[7];"),
-    Mistake("user_may_not_pass", "modbus_dispatch.v", "(is_offer & finished_q & ~same_q)", "(is_offer & finished_q)"),
+    Mistake("broadcasts_offered_to_the_user", "modbus_sequencer.v", "& ~byte_i[7] & ~broadcast_q;", "& ~byte_i[7];"),
+    Mistake("user_may_not_pass", "modbus_sequencer.v", "(is_offer & finished_q & ~same_q)", "(is_offer & finished_q)"),
     Mistake(
         "user_put_after_the_end",
-        "modbus_rtu_core.v",
-        "assign user_put  = do_offer & user_put_i & ~full;",
-        "assign user_put  = user_put_i & ~full;",
+        "modbus_engine.v",
+        "assign user_put  = offer & wants & ~full;",
+        "assign user_put  = wants & ~full;",
+    ),
+    Mistake(
+        "loop_of_a_read_of_files_runs_once",
+        "modbus_routines_files.vh",
+        """  `DO(SWAP)
+  `DO(IF_LEFT(loop))
+  `DO(SWAP)
+""",
+        """  `DO(SWAP)
+  `DO(IF_LEFT(`NEXT))
+  `DO(SWAP)
+""",
+    ),
+    Mistake(
+        "function_code_with_an_entry_of_another",
+        "modbus_routines_tables.vh",
+        "GO_IF_UNICAST(READ_DISCRETES)",
+        "GO_IF_UNICAST(READ_COILS)",
+    ),
+    Mistake(
+        "other_function_codes_taken_for_2b",
+        "modbus_program.v",
+        "      `DO(IF_EQUAL(here + 2)) \\\n",
+        "      `DO(GO(here + 2)) \\\n",
+    ),
+    Mistake(
+        "last_address_moves_with_the_burst",
+        "modbus_range.v",
+        "if (!moving_i) {past_ffff_q, last_q}",
+        "{past_ffff_q, last_q}",
+    ),
+    Mistake("bit_byte_count_rounded_down", "modbus_range.v", "less_one_q[10:3];", "{less_one_q[10:3] - 8'd1} ;"),
+    Mistake(
+        "single_item_is_two",
+        "modbus_range.v",
+        "if (do_i[`MB_DO_ONE] || set_first)      less_one_q <= 16'd0;",
+        "if (do_i[`MB_DO_ONE] || set_first)      less_one_q <= 16'd1;",
+    ),
+    Mistake(
+        "burst_ends_an_item_early",
+        "modbus_burst.v",
+        "ended_q <= at_last_i;",
+        "ended_q <= at_last_i | (next_o & bit_q == 3'd6);",
+    ),
+    Mistake(
+        "bits_packed_from_the_top",
+        "modbus_burst.v",
+        "{data[0] & beat, held_q[7:1]}",
+        "{held_q[6:0], data[0] & beat}",
+    ),
+    Mistake(
+        "question_for_a_range_past_the_end",
+        "modbus_burst.v",
+        "wire question = asks & ~past_end_i;",
+        "wire question = asks;",
+    ),
+    Mistake("step_of_two_clocks_ends_after_one", "modbus_sequencer.v", "(two_q & clock_2)", "two_q"),
+    Mistake(
+        "place_of_a_burst_not_pointed_at",
+        "modbus_sequencer.v",
+        "((is_put | is_burst) & clock_1",
+        "(is_put & clock_1",
+    ),
+    Mistake("entry_1f_is_that_of_sub_function_1f", "modbus_sequencer.v", "{5{byte_i[7:5] != 3'd0}}", "{5{byte_i[7]}}"),
+    Mistake(
+        "status_port_answers_before_the_counters_are_cleared",
+        "modbus_diagnostics.v",
+        "host & status_stb_i & ready_q & ~ack_q",
+        "host & status_stb_i & ~ack_q",
     ),
     Mistake(
         "axil_valid_falls_with_the_core",
@@ -654,7 +777,7 @@ MISTAKES = [
         "stb & ends & bad & ~stale_q",
     ),
     Mistake("axil_half_of_a_word", "modbus_axil_master.v", "m_axil_wstrb   = 4'b1111", "m_axil_wstrb   = 4'b0011"),
-    Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & bad_q)", "bad_q"),
+    Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & refused_q)", "refused_q"),
     Mistake("cpu_half_a_register", "modbus_axil_slave.v", "half  = write_q & (", "half  = 1'b0 & ("),
     Mistake("cpu_hold_does_not_hold", "modbus_axil_slave.v", "host_stb_o | hold_q", "host_stb_o"),
     Mistake(
@@ -669,7 +792,7 @@ MISTAKES = [
         "s_axil_awvalid & s_axil_wvalid & ~bvalid_q",
         "s_axil_awvalid & ~bvalid_q",
     ),
-    Mistake("cpu_error_not_told", "modbus_axil_slave.v", "bad_q <= host_err_i;", "bad_q <= 1'b0;"),
+    Mistake("cpu_error_not_told", "modbus_axil_slave.v", "bad_q <= host_err_i & ~own;", "bad_q <= 1'b0;"),
     Mistake(
         "cpu_response_falls",
         "modbus_axil_slave.v",
@@ -686,8 +809,37 @@ MISTAKES = [
     Mistake(
         "soc_axil_burst_not_looked_at",
         "modbus_example_soc_axil.v",
-        "(s_axil_awvalid | s_axil_arvalid) & ~burst",
-        "(s_axil_awvalid | s_axil_arvalid)",
+        "else if (!burst) begin",
+        "else begin",
+    ),
+    Mistake("map_forgets_an_option", "modbus_host_map.v", "<= host_dat_i[3:0];", "<= {1'b0, host_dat_i[2:0]};"),
+    Mistake("map_takes_any_write", "modbus_host_map.v", "(HOST_SETTINGS != 0) & settings_exist &", "settings_exist &"),
+    Mistake("map_counter_that_is_not_there", "modbus_host_map.v", "number <= 7'h12", "number <= 7'h13"),
+    Mistake("map_lets_the_memory_go", "modbus_host_map.v", "bank_cyc_o = host_cyc_i;", "bank_cyc_o = bank_stb_o;"),
+    Mistake("map_left_out_is_there", "modbus_host_map.v", "(HOST_MAP != 0) & (host_adr_i", "(host_adr_i"),
+    Mistake(
+        "soc_axil_write_begins_without_its_data",
+        "modbus_example_soc_axil.v",
+        "s_axil_awvalid & s_axil_wvalid & ~cpu_bvalid_q",
+        "s_axil_awvalid & ~cpu_bvalid_q",
+    ),
+    Mistake(
+        "soc_axil_response_not_taken_blocks_the_bus",
+        "modbus_example_soc_axil.v",
+        "reading & (~line_q | line_rready)",
+        "reading & (line_q ? line_rready : ~cpu_rvalid_q & s_axil_rready)",
+    ),
+    Mistake(
+        "soc_axil_response_overwritten",
+        "modbus_example_soc_axil.v",
+        "s_axil_arvalid & ~cpu_rvalid_q",
+        "s_axil_arvalid",
+    ),
+    Mistake(
+        "cpu_hold_answered_within_a_burst",
+        "modbus_axil_slave.v",
+        "(none | half) ? ST_ACCEPT",
+        "(own | none | half) ? ST_ACCEPT",
     ),
     Mistake(
         "soc_axil_burst_of_one_beat",
@@ -718,6 +870,9 @@ BUSES = {
     "axil_master": ("modbus_axil_master.v",),
     "axil_slave": ("modbus_axil_slave.v",),
     "soc_axil": ("modbus_axil_master.v", "modbus_example_soc_axil.v"),
+    "host_map_wishbone": ("modbus_host_map.v",),
+    "host_map_reads_only": ("modbus_host_map.v",),
+    "host_map_left_out": ("modbus_host_map.v",),
     "soc_wishbone": ("modbus_example_soc_wb.v",),
 }
 SELECTION = [
@@ -731,7 +886,7 @@ SELECTION = [
         "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
         "|own_|breaks|right_after|during|after_reset",
     ),
-    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table"),
+    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
     ("identity_01", None),

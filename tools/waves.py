@@ -33,7 +33,7 @@ GROUPS = [
     ("characters", "modbus_uart_rx", r"(char|start)_stb_o|data_o|parity_error_o|framing_error_o"),
     ("silence", "modbus_line_timer", r"t15_o|t35_o"),
     ("states", "", r"state_q"),
-    ("program", "modbus_dispatch", r"step|at_q"),
+    ("program", "modbus_sequencer", r"step|at_q"),
     ("frame", "", r"good_stb_o|rx_active_o|frame_stb_o|count_o|cursor_o|send_stb_o|err_(?!i$)\w+_o"),
     ("grant", "", r"grant_(req|space|first|last|write)_o|grant_ack_i|exception_i"),
     ("bus", "", r"wb_(cyc|stb|we|adr|dat)_o|wb_(dat|ack|err)_i"),
@@ -58,7 +58,7 @@ def state_names() -> dict[tuple[str, str], Path]:
     header = ROOT / "rtl/engine/modbus_steps.vh"
     steps = re.findall(r"^`define\s+MB_STEP_(\w+)\s+\d+'d(\d+)", header.read_text(), re.M) if header.exists() else []
     if steps:
-        tables["modbus_dispatch", "step"] = write_table("modbus_steps", steps)
+        tables["modbus_sequencer", "step"] = write_table("modbus_steps", steps)
     return tables
 
 

@@ -3,45 +3,30 @@
 //
 // modbus_bank_io - the four tables as flat vectors: coils and holding registers out, discrete inputs and input registers in.
 //
-// For LEDs, relays, switches, sensors.  Item k of a table is bit k, register k is [16*k +: 16], k counted from the
-// table's base.  Outputs change item by item while a burst writes them, one every clock or two; inputs are looked
-// at when they are read, so a value wider than a register must be held by its source.  Inputs must be
-// synchronous to clk_i.  Coils and holding registers are 0 after configuration and after rst_i.
+// For LEDs, relays, switches and sensors.  Item k of a table is bit k, register k is [16*k +: 16]; k counts from the base
+// of the table.  A burst that writes changes one item every clock or two, not all at once.  A burst that reads samples
+// each input when its item is read: a source holds a value that is wider than a register until it has been read.
+// Inputs must be synchronous to clk_i.  Coils and holding registers are 0 after configuration and after rst_i.
+// Files and the overlay need a memory: modbus_bank_ram has them.
 
 `default_nettype none
 `include "modbus_defs.vh"
 
+`define MB_BITS_DEFAULT 16
+`define MB_WORDS_DEFAULT 8
+
 module modbus_bank_io #(
-  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 16,       // count 0..65536; 0: no such table
-  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 16,
-  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 8,
-  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 8,
-  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
-  parameter integer COIL_WIDTH     = (COIL_COUNT > 0)     ? COIL_COUNT : 1,        // derived, leave alone
-  parameter integer DISCRETE_WIDTH = (DISCRETE_COUNT > 0) ? DISCRETE_COUNT : 1,
-  parameter integer INPUT_WIDTH    = (INPUT_COUNT > 0)    ? 16 * INPUT_COUNT : 16,
-  parameter integer HOLDING_WIDTH  = (HOLDING_COUNT > 0)  ? 16 * HOLDING_COUNT : 16
+`include "modbus_tables.vh"
+  ,
+`include "modbus_table_widths.vh"
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
   input  wire        write_lock_i,
 
   // Core: grant and Wishbone
-  input  wire        grant_req_i,
-  input  wire [2:0]  grant_space_i,
-  input  wire [15:0] grant_first_i,
-  input  wire [15:0] grant_last_i,
-  input  wire        grant_write_i,
-  input  wire [15:0] grant_file_i,
-  output wire        grant_ack_o,
-  output wire [3:0]  exception_o,
-  input  wire        wb_cyc_i,
-  input  wire        wb_stb_i,
-  input  wire        wb_we_i,
-  input  wire [18:0] wb_adr_i,
-  input  wire [15:0] wb_dat_i,
-  output wire [15:0] wb_dat_o,
-  output wire        wb_ack_o,
+`include "modbus_bank_ports.vh"
+  ,
 
   // Tables
   output wire [COIL_WIDTH-1:0]     coils_o,
@@ -50,26 +35,30 @@ module modbus_bank_io #(
   output wire [HOLDING_WIDTH-1:0]  holdings_o
 );
 
+  generate
+    if (FILE_COUNT != 0 || OVERLAY != 0) begin : gen_illegal
+      ERROR_modbus_bank_io_has_no_files_and_no_overlay illegal_parameter ();
+    end
+  endgenerate
+
   wire refused;
-  wire unused = refused;             // exception_o says it
+  wire unused = &{1'b0, refused, grant_file_i};  // exception_o says what was refused
 
   modbus_bank_guard #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
-    .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
-    .READ_ONLY_BASE(READ_ONLY_BASE), .READ_ONLY_COUNT(READ_ONLY_COUNT), .OVERLAY(0)
+`include "modbus_tables_inst.vh"
   ) u_guard (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0),
-    .req_i(grant_req_i), .space_i(grant_space_i), .first_i(grant_first_i), .last_i(grant_last_i),
-    .write_i(grant_write_i), .file_i(grant_file_i), .flat_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .req_i(grant_req_i), .space_i(grant_space_i),
+    .first_i(grant_first_i), .last_i(grant_last_i), .write_i(grant_write_i), .file_i(16'd0), .flat_i(1'b0),
+    .other_i(1'b0), .wait_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
   );
 
-  reg [COIL_WIDTH-1:0]    coils_q = {COIL_WIDTH{1'b0}};
-  reg [HOLDING_WIDTH-1:0] holdings_q = {HOLDING_WIDTH{1'b0}};
+  reg [COIL_WIDTH-1:0]    coils_q = 0;
+  reg [HOLDING_WIDTH-1:0] holdings_q = 0;
   reg                     ready_q = 1'b0;
   reg [15:0]              read_q;
 
   wire [2:0]  space = wb_adr_i[18:16];
-  // The range was granted, so the address bits that are the same for all items of a table are not looked at:
+  // The range was granted, so address bits that are the same for all items of a table are not read:
   // verilator lint_off UNUSED
   wire [15:0] item  = wb_adr_i[15:0];
   // verilator lint_on UNUSED
@@ -125,6 +114,7 @@ module modbus_bank_io #(
 
   assign wb_dat_o   = read_q;
   assign wb_ack_o   = ack;
+  assign wb_err_o   = 1'b0;
   assign coils_o    = coils_q;
   assign holdings_o = holdings_q;
 

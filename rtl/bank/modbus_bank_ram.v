@@ -3,102 +3,90 @@
 //
 // modbus_bank_ram - the four tables and the files in block RAM, with a second Wishbone side for the host.
 //
-// Registers and file records share a memory, bits have one of their own unless they fit beside the registers; one port
-// each: the two sides take turns.  Whoever has the memory keeps it while its cyc is high, so a burst of the line is
-// one snapshot for the host and the other way round.
-// A burst takes two clocks an item; the longest, 2000 coils, makes the host wait 4001 clocks.  The host may hold
-// host_cyc_i over several accesses to read or write a block in one piece; meanwhile the core waits, up to its stall limit.
+// Registers and file records share a memory; bits have one of their own unless they fit beside the registers.  Each memory
+// has one port, and line and host take turns.  A side that has the memory keeps it while its cyc is high, so a burst of
+// the line is one snapshot for the host, and an access of the host is one for the line.
+// A burst takes two clocks an item.  The longest, 2000 coils, makes the host wait 4001 clocks.  The host may hold
+// host_cyc_i over several accesses to read or write a block in one piece.  Meanwhile the core waits, up to its stall
+// limit; only a range that does not exist is refused at once.  Each such question costs the host one clock.
 //
-// Host side: Wishbone B4 classic, address {space, item} as on the line; ack two clocks after stb when free, err for an
-// address outside the tables.  All tables are writable by the host.  Record r of file f is item (f - 1) * FILE_RECORDS + r
-// of space 4.
+// Host side: Wishbone B4 classic, address {space, item} as on the line, no byte selects.  ack comes two clocks after stb
+// when the memory is free, err for an address outside the tables.  The host may write every table.  Record r of file f is
+// item (f - 1) * FILE_RECORDS + r of space 4.  The host must hold address, direction and data from stb to ack or err, as
+// Wishbone demands: the item read is that of the clock before ack.
 //
 // OVERLAY = 1: one block of HOLDING_COUNT registers (MODBUS Application Protocol V1.1b3, clause 4.3, device
-// with one block); coil and discrete input n are bit n mod 16 of register n / 16, input registers are the
+// with one block).  Coil and discrete input n are bit n mod 16 of register n / 16, input registers are the
 // holding registers.  Contents are 0 after configuration and survive rst_i.
 
 `default_nettype none
 `include "modbus_defs.vh"
 
 module modbus_bank_ram #(
-  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 64,       // count 0..65536; 0: no such table
-  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 64,
-  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
-  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
-  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
-  parameter integer FILE_COUNT = 0,     parameter integer FILE_RECORDS = 256,
-  parameter integer OVERLAY = 0
+`include "modbus_tables.vh"
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
   input  wire        write_lock_i,
 
   // Core: grant and Wishbone
-  input  wire        grant_req_i,
-  input  wire [2:0]  grant_space_i,
-  input  wire [15:0] grant_first_i,
-  input  wire [15:0] grant_last_i,
-  input  wire        grant_write_i,
-  input  wire [15:0] grant_file_i,
-  output wire        grant_ack_o,
-  output wire [3:0]  exception_o,
-  input  wire        wb_cyc_i,
-  input  wire        wb_stb_i,
-  input  wire        wb_we_i,
-  input  wire [18:0] wb_adr_i,
-  input  wire [15:0] wb_dat_i,
-  output wire [15:0] wb_dat_o,
-  output wire        wb_ack_o,
+`include "modbus_bank_ports.vh"
+  ,
 
   // Host: Wishbone
   input  wire        host_cyc_i,
   input  wire        host_stb_i,
   input  wire        host_we_i,
-  input  wire [18:0] host_adr_i,
+  input  wire [18:0] host_adr_i,                 // {space, item}
   input  wire [15:0] host_dat_i,
   output wire [15:0] host_dat_o,
   output wire        host_ack_o,
-  output wire        host_err_o
+  output wire        host_err_o                  // address outside the tables
 );
 
+  // ------------------------------------------------------------------ whose turn it is
+
   reg host_q = 1'b0;                 // the memory is the host's
-  reg ready_q = 1'b0;                // the memory's output belongs to the address now shown
+  reg lent_q = 1'b0;                 // for this clock the host has lent the comparison to the grant question
+  reg ready_q = 1'b0;                // the output of the memory belongs to the address now shown
 
   wire        stb  = host_q ? host_cyc_i & host_stb_i : wb_stb_i & wb_cyc_i;
-  // The core shows the address of a beat a clock before its strobe wherever cyc is already high; a master that
-  // did not would read the item before.
+  // Where cyc is already high the core shows the address of a beat a clock before its strobe.
   wire        show = host_q ? host_cyc_i & host_stb_i : wb_cyc_i;
   wire        we   = host_q ? host_we_i  : wb_we_i;
   wire [2:0]  space = host_q ? host_adr_i[18:16] : wb_adr_i[18:16];
   wire [15:0] item  = host_q ? host_adr_i[15:0]  : wb_adr_i[15:0];
   wire        ack   = stb & ready_q;
   wire        bits  = (space[2:1] == 2'b00);
-  wire        refused;               // the host's address is outside the tables
+  wire        refused;               // the address of the host is outside the tables
   wire        write = ack & we & ~(host_q & refused);
   wire [15:0] read;
 
+  // Between two accesses of the host one clock of the guard is enough for a question of the core.  The core has no
+  // grant, so the memory stays untouched in that clock and the block of the host stays one piece.
+  wire        lend = host_q & grant_req_i & (ack | ~host_stb_i);
+
   always @(posedge clk_i) begin
-    host_q  <= host_cyc_i & (host_q | ~wb_cyc_i) & ~rst_i;
+    host_q  <= host_cyc_i & (host_q | ~wb_cyc_i) & ~lend & ~rst_i;
+    lent_q  <= host_cyc_i & lend;
     ready_q <= show & ~ack & ~rst_i;
   end
 
   assign wb_ack_o   = ack & ~host_q;
+  assign wb_err_o   = 1'b0;
   assign wb_dat_o   = read;
   assign host_ack_o = ack & host_q & ~refused;
   assign host_err_o = ack & host_q & refused;
   assign host_dat_o = read;
 
-  // The guard's question is the core's, or with the memory in the host's hands one for the item that the host shows.
+  // The guard judges the question of the core, or with the memory in the hands of the host the item that the host shows.
   modbus_bank_guard #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
-    .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
-    .READ_ONLY_BASE(READ_ONLY_BASE), .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS),
-    .OVERLAY(OVERLAY)
+`include "modbus_tables_inst.vh"
   ) u_guard (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(host_q), .flat_i(host_q), .req_i(grant_req_i),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .req_i(grant_req_i),
     .space_i(host_q ? space : grant_space_i), .first_i(host_q ? item : grant_first_i),
-    .last_i(host_q ? item : grant_last_i), .write_i(grant_write_i & ~host_q), .file_i(grant_file_i),
-    .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
+    .last_i(host_q ? item : grant_last_i), .write_i(grant_write_i & ~host_q), .file_i(grant_file_i), .flat_i(host_q),
+    .other_i(host_q), .wait_i(lent_q), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
   );
 
   // ------------------------------------------------------------------ where an item is
@@ -143,7 +131,7 @@ module modbus_bank_ram #(
   // ------------------------------------------------------------------ the memories
 
   wire [15:0]  given = host_q ? host_dat_i : wb_dat_i;
-  wire         apart = bits & (BITS != 0) & (BESIDE == 0);      // the bit memory's
+  wire         apart = bits & (BITS != 0) & (BESIDE == 0);      // in the memory of bits
   wire [W-1:0] at    = place[W-1:0] + shift;
   wire [15:0]  data;
 
@@ -184,8 +172,105 @@ module modbus_bank_ram #(
 
       assign data = given;
       assign read = bits_q ? {15'd0, bit_q} : word_q;
+
+`ifdef FORMAL
+      // Coils are at the front of the memory of bits, discrete inputs behind them.
+      always @* if ((wb_ack_o || host_ack_o) && bits)
+        assert (at_bit == (space[0] ? COIL_COUNT + item - DISCRETE_BASE : item - COIL_BASE));
+`endif
     end
   endgenerate
+
+`ifdef FORMAL
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+
+  // The host keeps to the rules of its bus; of the line only what stands below is assumed.
+  wishbone_rules u_line_rules (
+    .clk_i(clk_i), .rst_i(rst_i), .cyc(wb_cyc_i), .stb(wb_stb_i), .we(wb_we_i), .adr(wb_adr_i), .dat(wb_dat_i),
+    .ack(wb_ack_o), .err(wb_err_o)
+  );
+  wishbone_rules #(.MASTER(1), .WITHDRAWS(1)) u_host_rules (
+    .clk_i(clk_i), .rst_i(rst_i), .cyc(host_cyc_i), .stb(host_stb_i), .we(host_we_i), .adr(host_adr_i),
+    .dat(host_dat_i), .ack(host_ack_o), .err(host_err_o)
+  );
+
+  // Each side has had a beat since its cyc rose.
+  wire f_host_beat = host_ack_o | host_err_o;
+  reg  f_line_q = 1'b0, f_host_q = 1'b0;
+  always @(posedge clk_i) begin
+    f_line_q <= ~rst_i & wb_cyc_i & (f_line_q | wb_ack_o);
+    f_host_q <= ~rst_i & host_cyc_i & (f_host_q | f_host_beat);
+  end
+
+  // The last range that was granted; the beats of the core lie in it.
+  reg         f_granted_q = 1'b0, f_write_q = 1'b0;
+  reg  [2:0]  f_space_q;
+  reg  [15:0] f_first_q, f_last_q, f_file_q;
+  always @(posedge clk_i) begin
+    if (grant_ack_o) begin
+      f_granted_q <= (exception_o == 4'd0);
+      f_write_q   <= grant_write_i;
+      f_space_q   <= grant_space_i;
+      f_first_q   <= grant_first_i;
+      f_last_q    <= grant_last_i;
+      f_file_q    <= grant_file_i;
+    end
+    if (rst_i || (grant_req_i && !grant_ack_o)) f_granted_q <= 1'b0;
+  end
+  always @* begin
+    // A cycle begins only under a grant; a question within a cycle comes behind its first burst.
+    if (wb_cyc_i && !f_line_q) assume (f_granted_q && !grant_req_i);
+    assume (grant_first_i <= grant_last_i);
+    if (grant_space_i != `MB_SPACE_COILS && grant_space_i != `MB_SPACE_HOLDINGS && grant_space_i != `MB_SPACE_FILES)
+      assume (!grant_write_i);
+    if (wb_cyc_i && wb_stb_i) begin
+      assume (f_granted_q && !grant_req_i && wb_adr_i[18:16] == f_space_q && grant_file_i == f_file_q);
+      assume (wb_adr_i[15:0] >= f_first_q && wb_adr_i[15:0] <= f_last_q && (!wb_we_i || f_write_q));
+    end
+  end
+  always @(posedge clk_i) if (f_past) begin
+    // A question stands still; the file number is there well before its burst.
+    if ($past(grant_req_i && !grant_ack_o) && grant_req_i)
+      assume ($stable(grant_space_i) && $stable(grant_first_i) && $stable(grant_last_i) && $stable(grant_write_i) &&
+              $stable(grant_file_i));
+    if (wb_cyc_i && wb_stb_i) assume ($stable(grant_file_i));
+  end
+
+  always @* if (f_past) begin
+    // The sides never share a beat, and neither breaks into a block of the other.
+    assert (!(wb_ack_o && f_host_beat));
+    assert (!(f_line_q && wb_cyc_i && f_host_beat));
+    assert (!(f_host_q && host_cyc_i && wb_ack_o));
+    assert (!(f_line_q && f_host_q && wb_cyc_i && host_cyc_i));
+    assert (!(f_line_q && wb_cyc_i && host_q));
+    if (f_host_q && host_cyc_i) assert (host_q || lent_q);
+    if (lent_q) assert (!host_q);
+    // A write is a beat of one side, of the line only where it was granted.
+    if (write) assert ((wb_ack_o && wb_we_i && f_granted_q && f_write_q) || (host_ack_o && host_we_i));
+    if (host_err_o) assert (!write);
+  end
+
+  // Where it goes: each table and each file has its part of the memories.  Registers are at the front.
+  wire [17:0] f_item = {2'd0, item};
+  wire [31:0] f_at   = (space == `MB_SPACE_HOLDINGS || OVERLAY != 0) ? ((OVERLAY != 0 && bits) ? item / 16 : item - HOLDING_BASE)
+                     : (space == `MB_SPACE_INPUTS) ? HOLDING_COUNT + item - INPUT_BASE
+                     : (space == `MB_SPACE_COILS) ? FILES_END + item - COIL_BASE
+                     : FILES_END + COIL_COUNT + item - DISCRETE_BASE;
+  wire [31:0] f_record = REGISTERS + (host_q ? f_item : (f_file_q - 1) * FILE_RECORDS + item);
+  always @* if (f_past && (wb_ack_o || host_ack_o)) begin
+    if (space == `MB_SPACE_FILES) assert (at == f_record && f_record < FILES_END);
+    else if (!apart)              assert (at == f_at && f_at < ITEMS);
+    else                          assert (f_at - FILES_END < BITS);
+  end
+
+  always @(posedge clk_i) if (f_past) begin
+    cover (wb_ack_o && wb_we_i && $past(f_host_beat, 4));
+    cover (host_err_o);
+    cover (host_q && lent_q == 1'b0 && grant_ack_o && exception_o != 4'd0 && host_cyc_i);
+  end
+`endif
 
 endmodule
 

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_axil_master - a bank for modbus_rtu_core whose items are words on an AXI4-Lite bus: Modbus as a bridge into a SoC.
+// modbus_axil_master - a bank for modbus_rtu_core whose items are words on an AXI4-Lite bus: a bridge from Modbus into a SoC.
 //
 // Item n of a table is the 32-bit word at byte address TABLE_AT + 4 * n, modulo 2^32: a register in bits 15..0, a bit in bit 0.
-// A write is a whole word, the upper bits 0, all four strobes; of a word that is read the upper bits mean nothing.
-// Record r of file f is word (f - 1) * FILE_RECORDS + r.  A 32-bit bus address is an address of AXI, so the tables
-// may lie anywhere, and in one another.
+// A write is a whole word with all four strobes and 0 in the upper bits.  The upper bits of a word that is read are ignored.
+// Record r of file f is word (f - 1) * FILE_RECORDS + r.  The tables may lie anywhere on the bus, and may overlap.
 //
-// What exists, and what may be written, is said by modbus_bank_guard with the parameters of the other banks.  GUARD = 0
-// leaves that out: leave grant_ack_o open and answer the core's question yourself.
+// modbus_bank_guard answers the grant question with the table parameters of the other banks; OVERLAY is not for a bus.
+// GUARD = 0 leaves the guard out: leave grant_ack_o open and answer the question of the core elsewhere.  Give the core the
+// TABLE_CODES of modbus_table_codes.vh, so that function codes of a table of size 0 answer 01 as with every bank.
 //
-// One transfer at a time, begun a clock after the core's stb; its end is the core's ack in the same clock.  SLVERR and
-// DECERR are wb_err_o, exception 04.  All valid signals come from registers, no output ready hangs on a valid.
+// One transfer at a time.  It begins one clock after wb_stb_i, and wb_ack_o comes in the clock in which it ends.  SLVERR and
+// DECERR are wb_err_o, exception 04.  Valid signals are registers; no ready output depends combinationally on a valid.
 //
-// A bus that does not answer is the core's stall limit's business (stall_limit_i; 0 waits for ever): the core gives
-// up with exception 04, and the line goes on.  AXI has no way back from a valid, so the transfer stays on the bus
-// until the bus has ended it, and its response is dropped.  Until then hung_o is high and each new beat gets
-// wb_err_o at once, exception 04: nothing queues up, and one late write at most is the one that was on its way.
-// Reset this module with the bus, not with the core alone.
+// A bus that does not answer is cut off by the stall limit of the core (0 waits for ever): the core gives up with
+// exception 04, and the line goes on.  An AXI valid cannot be withdrawn, so the transfer stays on the bus until the bus ends
+// it, and its response is dropped.  Until then hung_o is high and each new beat gets wb_err_o at once, exception 04.
+// Nothing queues up: at most the one write that was on its way is done late.
+// Reset this module together with the bus, not with the core alone.
 //
-// AXI4-Lite has no lock.  burst_o is high from before the first to behind the last transfer of a request: an
-// arbiter that serves nobody else meanwhile keeps 16H, 17H and long reads in one piece.
+// AXI4-Lite has no lock.  burst_o is high from before the first to after the last transfer of a request: an
+// arbiter that serves no other master meanwhile keeps 16H, 17H and long reads in one piece.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -32,39 +32,20 @@ module modbus_axil_master #(
   parameter [31:0]  INPUT_AT    = 32'h00080000,
   parameter [31:0]  HOLDING_AT  = 32'h000C0000,
   parameter [31:0]  FILE_AT     = 32'h00100000,
-  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 64,       // count 0..65536; 0: no such table
-  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 64,
-  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
-  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
-  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
-  parameter integer FILE_COUNT = 0,     parameter integer FILE_RECORDS = 256,
-  parameter integer GUARD = 1                            // 0: the grant question is answered elsewhere
+  parameter integer GUARD       = 1,                     // 0: the grant question is answered elsewhere
+`include "modbus_tables.vh"
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
   input  wire        write_lock_i,
 
   // Core: grant and Wishbone
-  input  wire        grant_req_i,
-  input  wire [2:0]  grant_space_i,
-  input  wire [15:0] grant_first_i,
-  input  wire [15:0] grant_last_i,
-  input  wire        grant_write_i,
-  input  wire [15:0] grant_file_i,
-  output wire        grant_ack_o,
-  output wire [3:0]  exception_o,                // 0 with wb_err_o
-  input  wire        wb_cyc_i,
-  input  wire        wb_stb_i,
-  input  wire        wb_we_i,
-  input  wire [18:0] wb_adr_i,
-  input  wire [15:0] wb_dat_i,
-  output wire [15:0] wb_dat_o,
-  output wire        wb_ack_o,
-  output wire        wb_err_o,
+`include "modbus_bank_ports.vh"
+  ,
 
   // Bus
-  output wire        burst_o,                    // level : transfers belong together
-  output wire        hung_o,                     // level : the bus owes the end of a transfer nobody waits for
+  output wire        burst_o,                    // level : the transfers belong together
+  output wire        hung_o,                     // level : the bus owes the end of a transfer that the core gave up
   output wire [31:0] m_axil_awaddr,
   output wire [2:0]  m_axil_awprot,              // 000: data, secure, unprivileged
   output wire        m_axil_awvalid,
@@ -91,6 +72,9 @@ module modbus_axil_master #(
         FILE_AT[1:0] != 0) begin : gen_places
       ERROR_modbus_axil_master_byte_address_of_a_table_is_a_multiple_of_4 illegal_parameter ();
     end
+    if (OVERLAY != 0) begin : gen_overlay
+      ERROR_modbus_axil_master_has_no_overlay illegal_parameter ();
+    end
   endgenerate
 
   // Grant
@@ -100,15 +84,11 @@ module modbus_axil_master #(
       wire unused = refused;                   // exception_o says it
 
       modbus_bank_guard #(
-        .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT),
-        .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
-        .READ_ONLY_BASE(READ_ONLY_BASE), .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT),
-        .FILE_RECORDS(FILE_RECORDS)
+`include "modbus_tables_inst.vh"
       ) u_guard (
-        .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0),
-        .req_i(grant_req_i), .space_i(grant_space_i), .first_i(grant_first_i), .last_i(grant_last_i),
-        .write_i(grant_write_i), .file_i(grant_file_i), .flat_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused),
-        .exception_o(exception_o)
+        .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .req_i(grant_req_i), .space_i(grant_space_i),
+        .first_i(grant_first_i), .last_i(grant_last_i), .write_i(grant_write_i), .file_i(grant_file_i), .flat_i(1'b0),
+        .other_i(1'b0), .wait_i(1'b0), .ack_o(grant_ack_o), .refused_o(refused), .exception_o(exception_o)
       );
     end else begin : gen_no_guard
       wire unused = &{1'b0, write_lock_i, grant_req_i, grant_space_i, grant_first_i, grant_last_i, grant_write_i};
@@ -149,7 +129,7 @@ module modbus_axil_master #(
   reg         stale_q = 1'b0;                    // and the core has given it up
   reg         aw_q = 1'b0, w_q = 1'b0, ar_q = 1'b0;
   reg         write_q;
-  reg  [31:0] address_q;                         // of its own: the core moves on when it gives up
+  reg  [31:0] address_q;                         // held here: the core moves on when it gives up
   reg  [15:0] data_q;
 
   wire stb   = wb_cyc_i & wb_stb_i;
@@ -205,24 +185,23 @@ module modbus_axil_master #(
   always @(posedge clk_i) f_past <= 1'b1;
   always @* if (!f_past) assume (rst_i);
 
-  // What the bus has taken and not yet ended, counted from its side.
-  reg f_aw = 1'b0, f_w = 1'b0, f_ar = 1'b0;
-  always @(posedge clk_i) begin
-    f_aw <= ~rst_i & ((m_axil_awvalid & m_axil_awready) | (f_aw & ~b_end));
-    f_w  <= ~rst_i & ((m_axil_wvalid & m_axil_wready)   | (f_w & ~b_end));
-    f_ar <= ~rst_i & ((m_axil_arvalid & m_axil_arready) | (f_ar & ~r_end));
-  end
-  // A bus answers what it was asked, and not before.
-  always @* begin
-    if (!(f_aw && f_w)) assume (!m_axil_bvalid);
-    if (!f_ar) assume (!m_axil_rvalid);
-  end
+  // The rules of the bus, and what it has taken and not yet ended
+  wire f_aw, f_w, f_ar;
+  axil_rules #(.ADDRESS_WIDTH(32), .MASTER(1)) u_axil_rules (
+    .clk_i(clk_i), .rst_i(rst_i), .awaddr(m_axil_awaddr), .awvalid(m_axil_awvalid), .awready(m_axil_awready),
+    .wdata(m_axil_wdata), .wstrb(m_axil_wstrb), .wvalid(m_axil_wvalid), .wready(m_axil_wready), .bresp(m_axil_bresp),
+    .bvalid(m_axil_bvalid), .bready(m_axil_bready), .araddr(m_axil_araddr), .arvalid(m_axil_arvalid),
+    .arready(m_axil_arready), .rdata(m_axil_rdata), .rresp(m_axil_rresp), .rvalid(m_axil_rvalid),
+    .rready(m_axil_rready), .aw_taken_o(f_aw), .w_taken_o(f_w), .ar_taken_o(f_ar)
+  );
+
+  // Nothing is assumed of the core.
+  wishbone_rules u_wishbone_rules (
+    .clk_i(clk_i), .rst_i(rst_i), .cyc(wb_cyc_i), .stb(wb_stb_i), .we(wb_we_i), .adr(wb_adr_i), .dat(wb_dat_i),
+    .ack(wb_ack_o), .err(wb_err_o)
+  );
 
   always @(posedge clk_i) if (f_past && !$past(rst_i) && !rst_i) begin
-    // Valid stays until it is taken, and so does what it says: whatever the core does meanwhile.
-    if ($past(m_axil_awvalid && !m_axil_awready)) assert (m_axil_awvalid && $stable(m_axil_awaddr));
-    if ($past(m_axil_wvalid && !m_axil_wready))   assert (m_axil_wvalid && $stable(m_axil_wdata));
-    if ($past(m_axil_arvalid && !m_axil_arready)) assert (m_axil_arvalid && $stable(m_axil_araddr));
     // A transfer begins only with the core's stb, and never while another is on the bus.
     if (m_axil_awvalid && !$past(m_axil_awvalid)) assert ($past(stb && wb_we_i && !f_aw && !f_w && !f_ar && !ar_q));
     if (m_axil_wvalid && !$past(m_axil_wvalid))   assert (m_axil_awvalid && !$past(m_axil_awvalid));
@@ -232,14 +211,13 @@ module modbus_axil_master #(
     if (hung_o) assert (!wb_ack_o && wb_err_o == stb);
   end
   always @* if (f_past) begin
-    assert (!(f_aw && aw_q) && !(f_w && w_q) && !(f_ar && ar_q));
+    assert (!(f_aw && aw_q) && !(f_w && w_q) && !(f_ar && ar_q));    // one transfer at a time
     assert (busy_q == (f_aw || aw_q || f_ar || ar_q));
     assert ((f_aw || aw_q) == (f_w || w_q));
     assert (!((f_aw || aw_q) && (f_ar || ar_q)));
     assert (!(busy_q && write_q) || f_aw || aw_q);
     assert (!(busy_q && !write_q) || f_ar || ar_q);
-    assert (!(wb_ack_o && wb_err_o));
-    if (wb_ack_o) assert (stb && ends);
+    if (wb_ack_o) assert (ends);
   end
   always @(posedge clk_i) if (f_past) begin
     cover ($past(hung_o) && !hung_o && !rst_i && !$past(rst_i));

@@ -4,49 +4,40 @@
 // modbus_diagnostics - counters, event log, diagnostic register and listen-only mode.
 //
 // Counters and log share one block RAM: counter n is word n (its sub-function of 08H), log entries are words 64 to
-// 127, newest first from newest_q on.  What is counted, logged and cleared, and when, is written in modbus_program
-// (MODBUS over Serial Line V1.02, appendix A; MODBUS Application Protocol V1.1b3, clauses 6.8 to 6.10).
+// 127, newest first from newest_q on.  Words 0 to 2 are not in the RAM: diagnostic register, listen-only mode, entries
+// of the log.  What is counted, logged and cleared, and when, is written in modbus_program (MODBUS over Serial Line
+// V1.02, appendix A; MODBUS Application Protocol V1.1b3, clauses 6.8 to 6.10).
 //
-// count_i and log_i are held for two clocks, now_i is high in the second.  Between them the RAM serves the burst of
-// an answer, else the host: counter_ack_o comes when it did, so the host never stops the line.  After rst_i the
-// program clears the counters.
+// COUNT and LOG are held for two clocks, NOW is high in the second.  Between them the RAM serves the burst of an answer,
+// else the host: status_ack_o comes when it did, so the host never stops the line.  After rst_i the program clears the
+// counters; the host is not answered before cleared_i.
 
 `default_nettype none
 `include "modbus_defs.vh"
+`include "modbus_steps.vh"
 
 module modbus_diagnostics (
   input  wire        clk_i,
   input  wire        rst_i,
 
-  // Program
-  input  wire        count_i,        // level : counter which_i up, with clear_i to 0
-  input  wire [4:0]  which_i,
-  input  wire        clear_i,
-  input  wire        log_i,          // level : event_i to the log
-  input  wire [7:0]  event_i,        // level : 0 without log_i
-  input  wire        now_i,          // level : the second of their two clocks
-  input  wire        applies_i,      // level : with count_i, the counter is changed
-  input  wire        empty_i,        // strobe: empty the log
-  input  wire        listen_i,       // strobe: enter listen-only mode
-  input  wire        active_i,       // strobe: leave it
-  input  wire        overrun_i,      // strobe: set the overrun flag
-  input  wire        no_overrun_i,   // strobe: clear it
-  input  wire        clear_register_i, // strobe: clear the whole diagnostic register
+  // Sequencer
+  input  wire [`MB_DIAG_DO_WIDTH-1:0] do_i,          // MB_DO_*
+  input  wire [5:0]  argument_i,     // level : MB_ARG_COUNTER, MB_ARG_CLEAR
+  input  wire [7:0]  event_i,        // level : 0 without LOG
+  input  wire        cleared_i,      // strobe: the counters have been cleared after a reset
   output wire        listen_only_o,
-  output wire [15:0] register_o,
-  output wire [6:0]  log_count_o,
 
   // Answers: words of MB_SPACE_COUNTERS and bytes of MB_SPACE_EVENTS, a clock after the address
   input  wire        read_i,         // level : the address is shown
   input  wire        read_log_i,     // level : an entry of the log, 0 newest
   input  wire [5:0]  read_at_i,
-  output wire [15:0] data_o,
+  output wire [15:0] data_o,         // also for the host, with status_ack_o
 
   // Host
   input  wire [15:1] diagnostic_i,   // level : set these bits of the register
-  input  wire        counter_stb_i,
-  input  wire [6:0]  counter_adr_i,  // counter, or 64 + entry of the log
-  output wire        counter_ack_o   // strobe: data_o is the host's
+  input  wire        status_stb_i,   // level until status_ack_o
+  input  wire [6:0]  status_adr_i,   // 00..02, counter, or 64 + entry of the log
+  output wire        status_ack_o    // strobe: data_o is the host's
 );
 
   localparam [6:0] LOG_ENTRIES = 7'd64;
@@ -58,53 +49,68 @@ module modbus_diagnostics (
   reg        listen_only_q = 1'b0;
   reg [15:0] register_q = 16'd0;
   reg        ack_q = 1'b0;
+  reg        ready_q = 1'b1;         // the counters have been cleared since the last reset
+  reg        state_q;                // the word read is no word of the RAM,
+  reg [1:0]  which_q;                // but this one
 
   integer i;
   initial for (i = 0; i < 128; i = i + 1) memory[i] = 16'd0;
 
-  wire       ours  = count_i | log_i;
+  wire       count = do_i[`MB_DO_COUNT];
+  wire       log   = do_i[`MB_DO_LOG];
+  wire       now   = do_i[`MB_DO_NOW];
+  wire [4:0] which = argument_i[`MB_ARG_COUNTER];
+  wire       clear = argument_i[`MB_ARG_CLEAR];
+  wire       ours  = count | log;
   wire       host  = ~ours & ~read_i;
-  wire       of_log = read_i ? read_log_i : counter_adr_i[6];
-  wire [5:0] wanted = read_i ? read_at_i  : counter_adr_i[5:0];
-  wire [5:0] entry  = newest_q + (log_i ? 6'h3F : wanted);     // a new one comes before the newest
-  wire [6:0] at     = log_i ? {1'b1, entry} : count_i ? {2'd0, which_i} : of_log ? {1'b1, entry} : {1'b0, wanted};
-  wire       logs   = log_i & now_i;
-  wire       write  = logs | (count_i & now_i & applies_i);
+  wire       of_log = read_i ? read_log_i : status_adr_i[6];
+  wire [5:0] wanted = read_i ? read_at_i  : status_adr_i[5:0];
+  wire [5:0] entry  = newest_q + (log ? 6'h3F : wanted);     // a new one comes before the newest
+  wire [6:0] at     = log ? {1'b1, entry} : count ? {2'd0, which} : of_log ? {1'b1, entry} : {1'b0, wanted};
+  wire       logs   = log & now;
+  wire       write  = logs | (count & now & do_i[`MB_DO_APPLIES]);
   // Event, 0, or one more: the sum means nothing in the first two cases; written so, it takes one cell a bit.
-  wire        fresh = log_i | clear_i;
+  wire        fresh = log | clear;
   wire [15:0] next  = word_q + {{15{fresh}}, 1'b1};
 
   always @(posedge clk_i) begin
     if (write) memory[at] <= fresh ? {8'd0, event_i} : next;
     word_q <= memory[at];
-    ack_q  <= host & counter_stb_i & ~ack_q;
+    ack_q  <= host & status_stb_i & ready_q & ~ack_q;
+    state_q <= ~of_log & (wanted[5:2] == 4'd0);
+    which_q <= wanted[1:0];
+    if (cleared_i) ready_q <= 1'b1;
 
     if (logs) begin
       newest_q <= entry;
       if (entries_q != LOG_ENTRIES) entries_q <= entries_q + 7'd1;
     end
-    if (empty_i) entries_q <= 7'd0;
+    if (do_i[`MB_DO_EMPTY]) entries_q <= 7'd0;
 
-    if (listen_i) listen_only_q <= 1'b1;
-    if (active_i) listen_only_q <= 1'b0;
+    if (do_i[`MB_DO_LISTEN]) listen_only_q <= 1'b1;
+    if (do_i[`MB_DO_ACTIVE]) listen_only_q <= 1'b0;
 
-    register_q[15:1] <= (clear_register_i ? 15'd0 : register_q[15:1]) | diagnostic_i;
-    if (overrun_i)                             register_q[0] <= 1'b1;
-    else if (no_overrun_i || clear_register_i) register_q[0] <= 1'b0;
+    register_q[15:1] <= (do_i[`MB_DO_CLEAR_REGISTER] ? 15'd0 : register_q[15:1]) | diagnostic_i;
+    if (do_i[`MB_DO_OVERRUN])
+      register_q[0] <= 1'b1;
+    else if (do_i[`MB_DO_CLEAR_OVERRUN] || do_i[`MB_DO_CLEAR_REGISTER])
+      register_q[0] <= 1'b0;
 
     if (rst_i) begin
       entries_q     <= 7'd0;
       listen_only_q <= 1'b0;
       register_q    <= 16'd0;
       ack_q         <= 1'b0;
+      ready_q       <= 1'b0;
     end
   end
 
+  wire [15:0] state = ({3'd0, which_q} == `MB_CPT_REGISTER)    ? register_q :
+                      ({3'd0, which_q} == `MB_CPT_LISTEN_ONLY) ? {15'd0, listen_only_q} : {9'd0, entries_q};
+
   assign listen_only_o = listen_only_q;
-  assign register_o    = register_q;
-  assign log_count_o   = entries_q;
-  assign data_o        = word_q;
-  assign counter_ack_o = ack_q;
+  assign data_o        = state_q ? state : word_q;
+  assign status_ack_o  = ack_q;
 
 endmodule
 

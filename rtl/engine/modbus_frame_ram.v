@@ -4,10 +4,10 @@
 // modbus_frame_ram - the one buffer that holds a request and then its answer, with its cursor and its count.
 //
 // 256 bytes, with HAS_UPPER 512, inferred as block RAM.  byte_o is always the byte under the cursor (the read address
-// is the cursor's next value), or with look_i the byte at look_at_i.  The users take turns: receiver, dispatch, data
-// access, user, transmitter.  An answer is written over its request: address and function code already stand where
-// they belong, and the answers of the write functions are the head of the request itself.  Where that cannot be
-// (an answer longer than what it is made from) it has the upper half.
+// is the cursor's next value), or with peek_i the byte at peek_at_i.  Its users take turns: receiver, sequencer, burst,
+// user, transmitter.  An answer is written over its request: address and function code already stand where they belong,
+// and the answers of the write functions are the head of the request itself.  Where that cannot be (an answer longer
+// than what it is made from) it has the upper half.
 //
 // count_o: characters received so far, then request bytes not yet consumed, then bytes of the answer.
 // With HAS_CONTEXT a second pair of cursor and count is kept, to return to or to swap with.
@@ -28,8 +28,8 @@ module modbus_frame_ram #(
   input  wire       down_i,       // strobe: count - 1
   input  wire       keep_i,       // strobe: cursor and count are kept
   input  wire       recall_i,     // strobe: back to those kept; with keep_i: swapped
-  input  wire       look_i,       // level : byte_o is the byte at look_at_i of the lower half
-  input  wire [7:0] look_at_i,
+  input  wire       peek_i,       // level : byte_o is the byte at peek_at_i of the lower half
+  input  wire [7:0] peek_at_i,
 
   input  wire       write_i,      // strobe: data_i to the byte under the cursor
   input  wire [7:0] data_i,
@@ -46,6 +46,10 @@ module modbus_frame_ram #(
   reg [8:0] cursor_q = 9'd0;
   reg [8:0] count_q = 9'd0;
 
+  // A request may end before the byte that a step takes next: that byte is no X in a simulation.
+  integer i;
+  initial for (i = 0; i < (1 << W); i = i + 1) memory[i] = 8'd0;
+
   wire [8:0] kept_cursor, kept_count;
   wire       recall = (HAS_CONTEXT != 0) & recall_i;
   wire       upper  = (HAS_UPPER != 0) & point_at_i[4];
@@ -53,7 +57,7 @@ module modbus_frame_ram #(
   wire [8:0] next   = cursor_q + {{8{point_i}}, 1'b1};
   wire [8:0] moved  = point_i ? {upper, 4'd0, point_at_i[3:0]} : step_i ? next : cursor_q;
   wire [8:0] cursor_d = recall ? kept_cursor : moved;
-  wire [8:0] read_at  = look_i ? {1'b0, look_at_i} : cursor_d;
+  wire [8:0] read_at  = peek_i ? {1'b0, peek_at_i} : cursor_d;
 
   always @(posedge clk_i) begin
     if (write_i) memory[cursor_q[W-1:0]] <= data_i;

@@ -23,7 +23,7 @@ module modbus_identity #(
   parameter [127:0] SERVER_ID             = 128'h09,       // right-justified
   parameter integer SERVER_ID_BYTES       = 1,             // 1..16
   parameter [1999:0] ADDITIONAL_DATA      = 2000'd0,
-  parameter integer ADDITIONAL_DATA_BYTES = 0,             // 0..234
+  parameter integer ADDITIONAL_DATA_BYTES = 0,             // 0..250 - SERVER_ID_BYTES: PDU of 253 bytes
   parameter [1951:0] VENDOR_NAME           = "VENDOR",     // objects 00 to 02 are always there
   parameter [1951:0] PRODUCT_CODE          = "PRODUCT",
   parameter [1951:0] REVISION              = "V1.0",
@@ -139,7 +139,10 @@ module modbus_identity #(
   localparam integer PRIVATES       = (PRIVATES_FOUND > 0) ? PRIVATES_FOUND : 0;
   localparam integer PRIVATE_LENGTH = (PRIVATES_FOUND > 0) ? PRIVATES_GIVEN : 0;
   localparam integer ID_LENGTH   = (SERVER_ID_BYTES < 1 || SERVER_ID_BYTES > 16) ? 1 : SERVER_ID_BYTES;
-  localparam integer MORE_LENGTH = (ADDITIONAL_DATA_BYTES < 0 || ADDITIONAL_DATA_BYTES > 234) ? 0 : ADDITIONAL_DATA_BYTES;
+  // A PDU has 253 bytes; function code, byte count and run indicator take three.
+  localparam integer MORE_MOST = 253 - 3 - ID_LENGTH;
+  localparam integer MORE_LENGTH =
+    (ADDITIONAL_DATA_BYTES < 0 || ADDITIONAL_DATA_BYTES > MORE_MOST) ? 0 : ADDITIONAL_DATA_BYTES;
   localparam integer REGULARS = ((L3 > 0) ? 1 : 0) + ((L4 > 0) ? 1 : 0) + ((L5 > 0) ? 1 : 0) + ((L6 > 0) ? 1 : 0);
   localparam integer OBJECTS_BYTES = 6 + L0 + L1 + L2 + 2 * REGULARS + L3 + L4 + L5 + L6 + PRIVATE_LENGTH;
   localparam integer LEVEL = {30'd0, CONFORMITY[1:0]};
@@ -161,8 +164,8 @@ module modbus_identity #(
     if (SERVER_ID_BYTES < 1 || SERVER_ID_BYTES > 16) begin : gen_server_id
       ERROR_modbus_SERVER_ID_BYTES_from_1_to_16 illegal_parameter ();
     end
-    if (ADDITIONAL_DATA_BYTES < 0 || ADDITIONAL_DATA_BYTES > 234) begin : gen_additional
-      ERROR_modbus_ADDITIONAL_DATA_BYTES_from_0_to_234 illegal_parameter ();
+    if (ADDITIONAL_DATA_BYTES < 0 || ADDITIONAL_DATA_BYTES > MORE_MOST) begin : gen_additional
+      ERROR_modbus_ADDITIONAL_DATA_BYTES_from_0_to_250_less_SERVER_ID_BYTES illegal_parameter ();
     end
     if (HAS_OBJECTS) begin : gen_check
       if (LEVEL == 0 || CONFORMITY[6:2] != 5'd0) begin : gen_conformity
@@ -192,7 +195,7 @@ module modbus_identity #(
   function [8*ROOM-1:0] objects(input integer unused);
     integer object, k, to;
     begin
-      objects = {8*ROOM{1'b0}};
+      objects = 0;
       to = unused;
       for (object = HAS_OBJECTS ? 0 : 7; object < 7; object = object + 1)
         if (object < 3 || text_length(object) > 0) begin
@@ -241,7 +244,7 @@ module modbus_identity #(
   function [8*ROOM-1:0] section(input integer place, input integer count, input integer most);
     integer n, from;
     begin
-      section = {8*ROOM{1'b0}};
+      section = 0;
       from = 0;
       for (n = 0; n < count; n = n + 1) begin
         section[8*(place + RECORD*n) +: 8*RECORD] = record(`MB_TEXT_MORE, from, count - n, most);
@@ -256,7 +259,7 @@ module modbus_identity #(
   function [8*ROOM-1:0] content(input integer unused);
     integer k;
     begin
-      content = {8*ROOM{1'b0}};
+      content = 0;
       for (k = 0; k < ID_LENGTH; k = k + 1)
         content[8*(9+k+unused) +: 8] = SERVER_ID[8*(ID_LENGTH-1-k) +: 8];
       for (k = 0; k < MORE_LENGTH; k = k + 1)

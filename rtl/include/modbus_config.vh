@@ -22,7 +22,7 @@
   parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
   parameter integer SERVER_ID_BYTES     = 1,             // 1..16
   parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // 11H: data behind the run indicator, right-justified
-  parameter integer ADDITIONAL_DATA_BYTES = 0,           // 0..234
+  parameter integer ADDITIONAL_DATA_BYTES = 0,           // 0..250 - SERVER_ID_BYTES
   parameter [1951:0] VENDOR_NAME        = "VENDOR",      // function code 2BH: objects 00, 01, 02
   parameter [1951:0] PRODUCT_CODE       = "PRODUCT",
   parameter [1951:0] REVISION           = "V1.0",

@@ -6,7 +6,7 @@
 `ifndef MODBUS_DEFS_VH
 `define MODBUS_DEFS_VH
 
-// Function codes (MODBUS Application Protocol V1.1b3, clause 6); 2BH has the table entry of 1EH
+// Function codes (MODBUS Application Protocol V1.1b3, clause 6)
 `define MB_FC_READ_COILS               32'h01
 `define MB_FC_READ_DISCRETE_INPUTS     32'h02
 `define MB_FC_READ_HOLDING_REGISTERS   32'h03
@@ -25,7 +25,10 @@
 `define MB_FC_MASK_WRITE_REGISTER      32'h16
 `define MB_FC_READ_WRITE_REGISTERS     32'h17
 `define MB_FC_READ_FIFO_QUEUE          32'h18
-`define MB_FC_ENCAPSULATED             8'h2B
+`define MB_FC_ENCAPSULATED             32'h2B
+
+// Function codes below this one have an entry of their own in the table of modbus_program; it is searched for others.
+`define MB_OTHER_CODES                 32'h1F
 
 // Sets of function codes, as FUNCTION_CODES and USER_CODES take them: bit n is function code n.
 `define MB_BIT(code) (128'd1 << (code))
@@ -64,6 +67,14 @@
 `define MB_SPACE_EVENTS    3'd6
 `define MB_SPACE_TEXTS     3'd7
 
+// The space of the core on the host side: modbus_host_map
+`define MB_SPACE_CORE      3'd5
+
+// Words of MB_SPACE_COUNTERS and of the status port below the counters
+`define MB_CPT_REGISTER       5'h00   // diagnostic register
+`define MB_CPT_LISTEN_ONLY    5'h01   // bit 0: listen-only mode
+`define MB_CPT_ENTRIES        5'h02   // entries of the event log
+
 // Counters, by the sub-function of 08H that reads them (V1.1b3, clause 6.8); the event counter has a free number.
 `define MB_CPT_EVENT          5'h0A
 `define MB_CPT_BUS_MESSAGE    5'h0B
@@ -76,7 +87,7 @@
 `define MB_CPT_OVERRUN        5'h12
 
 // Places and marks in the text memory of modbus_identity
-`define MB_TEXT_SERVER_ID     16'd9
+`define MB_TEXT_SERVER_ID     8'd9
 `define MB_TEXT_MORE          8'h00   // records follow in this section
 `define MB_TEXT_LAST          8'hFF   // the last one: it serves for every other object
 `define MB_TEXT_NONE          8'h01   // the last one: there is no other object

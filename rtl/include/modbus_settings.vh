@@ -3,8 +3,9 @@
 //
 // modbus_settings - the run-time settings of modbus_rtu_core as parameters of a drop-in, each with a sensible default.
 //
-// Included in the parameter list of a drop-in, before modbus_config.vh; modbus_settings_value.vh makes the vector
-// `SETTINGS` for settings_i of them.
+// Included in the parameter list of a drop-in; it ends without a comma.  modbus_settings_value.vh makes of them the
+// vector SETTINGS for settings_i.
+
   parameter integer ADDRESS             = 1,             // 1..247; 0: only broadcasts are obeyed
   parameter integer BAUD                = 19200,         // bits per second: CLK_HZ / 65535 to CLK_HZ / 8
   parameter integer FORMAT              = 0,             // 0 8E1, 1 8O1, 2 8N2, 3 8N1
@@ -15,4 +16,4 @@
   parameter integer RESPONSE_DELAY      = 0,             // bit times before the answer, 0..4095
   parameter integer STALL_LIMIT         = 0,             // bit times a bank may be silent, 0..65535; 0: for ever
   parameter integer DE_LEAD             = 1,             // bit times from driver enable to the start bit, 0..15
-  parameter integer DE_TAIL             = 0,             // bit times from the last stop bit to driver off, 0..15
+  parameter integer DE_TAIL             = 0              // bit times from the last stop bit to driver off, 0..15

@@ -162,3 +162,68 @@ async def host_and_core_take_turns(dut):
     stop.append(True)
     await task
     assert len(rounds) > 5, "the host hardly ever got the bus"
+
+
+@cocotb.test(skip=not RAM)
+async def host_reaches_each_table_to_its_ends(dut):
+    """ack from the first item to the last, err one before and one behind; no table lies on another."""
+    bank = await Bank.start(dut)
+    image = {}
+
+    async def access(space, item, write=None):
+        dut.host_cyc_i.value = dut.host_stb_i.value = 1
+        dut.host_we_i.value, dut.host_dat_i.value = int(write is not None), write or 0
+        dut.host_adr_i.value = bus_address(space, item)
+        for _ in range(PATIENCE):
+            await settle()
+            ack, err = int(dut.host_ack_o.value), int(dut.host_err_o.value)
+            if ack or err:
+                assert not (ack and err)
+                value = int(dut.host_dat_o.value) if ack else None
+                await clocks(dut)
+                dut.host_cyc_i.value = dut.host_stb_i.value = 0
+                await clocks(dut)
+                return value
+            await clocks(dut)
+        raise AssertionError(f"no answer for {space} {item}")
+
+    for write in (True, False):
+        for space in list(Space)[:4]:
+            base, count = bank.config.tables[space]
+            for item in sorted({base - 1, base, base + 1, base + count - 1, base + count}):
+                if not 0 <= item <= 65535:
+                    continue
+                exists = base <= item < base + count
+                if write:
+                    value = bank.rng.getrandbits(1 if space in BIT_SPACES else 16)
+                    assert (await access(space, item, value) is not None) == exists, f"{space.name} {item}"
+                    if exists:
+                        image[space, item] = value
+                else:
+                    assert await access(space, item) == image.get((space, item)), f"{space.name} {item}"
+
+
+@cocotb.test()
+async def what_is_withdrawn_is_forgotten(dut):
+    """No ack without a question, and none without a strobe, however late the core has withdrawn either."""
+    bank = await Bank.start(dut)
+    base, count = bank.config.tables[Space.HOLDINGS]
+    for held in range(4):
+        dut.grant_space_i.value, dut.grant_write_i.value = int(Space.HOLDINGS), 0
+        dut.grant_first_i.value = dut.grant_last_i.value = base
+        dut.grant_req_i.value = 1
+        await clocks(dut, held)
+        dut.grant_req_i.value = 0
+        for _ in range(4):
+            await settle()
+            assert not int(dut.grant_ack_o.value), f"a question of {held} clocks is answered behind its end"
+            await clocks(dut)
+        dut.wb_cyc_i.value = dut.wb_stb_i.value = 1
+        dut.wb_adr_i.value = bus_address(Space.HOLDINGS, base)
+        await clocks(dut, held)
+        dut.wb_cyc_i.value = dut.wb_stb_i.value = 0
+        for _ in range(4):
+            await settle()
+            assert not int(dut.wb_ack_o.value) and not int(dut.wb_err_o.value)
+            await clocks(dut)
+    assert await bank.ask(Space.HOLDINGS, base, base + count - 1, 0) == 0

@@ -6,7 +6,7 @@ import cocotb
 from harness.bench import PARAMETERS
 from harness.build import model_config
 from harness.unit import clocks, settle, start
-from protocol.defs import EX, Space
+from protocol.defs import BIT_SPACES, EX, Space
 from protocol.model import Refused, Slave
 
 PATIENCE = 20
@@ -62,18 +62,56 @@ async def edges_and_random_ranges(dut):
 
 
 @cocotb.test()
-async def held_back_while_told(dut):
-    """With hold_i the question waits."""
-    await start(dut, hold=1)
+async def limits_are_exact(dut):
+    """Each end of each table and of the read-only range at N - 1, N and N + 1, ranges of one and of two items."""
+    await start(dut)
+    slave = Slave(model_config("modbus_rtu_slave", PARAMETERS))
+    read_only, count_of_cases = slave.config.read_only, 0
+    for space in list(Space)[:4]:
+        base, count = slave.config.tables.get(space, (0, 0))
+        ends = [base, base + count]
+        if space == Space.HOLDINGS or slave.config.overlay:
+            step = 16 if slave.config.overlay and space in BIT_SPACES else 1
+            ends += [read_only[0] * step, sum(read_only) * step]
+        for first in sorted({end + offset for end in ends for offset in (-2, -1, 0, 1)}):
+            for last in (first, first + 1):
+                if not 0 <= first <= last <= 65535:
+                    continue
+                for write in {0, int(space in (Space.COILS, Space.HOLDINGS))}:
+                    code = await verdict(dut, space, first, last, write)
+                    wanted = expected(slave, space, first, last, write)
+                    assert code == wanted, f"{space.name} {first}..{last} write {write}: expected {wanted}, seen {code}"
+                    count_of_cases += 1
+    assert count_of_cases > 30
+
+
+@cocotb.test()
+async def other_user_and_wait(dut):
+    """While other_i is high nothing is answered; while wait_i is high a refusal is, a grant is not."""
+    await start(dut)
+    slave = Slave(model_config("modbus_rtu_slave", PARAMETERS))
+    base, count = slave.config.tables[Space.HOLDINGS]
+    inside, outside = base, base + count
     dut.space_i.value, dut.req_i.value = int(Space.HOLDINGS), 1
-    for _ in range(30):
-        await clocks(dut)
-        await settle()
-        assert not int(dut.ack_o.value)
-    dut.hold_i.value = 0
-    for _ in range(PATIENCE):
-        await clocks(dut)
-        await settle()
-        if int(dut.ack_o.value):
-            return
-    raise AssertionError("no verdict after hold_i fell")
+    for item, exists in ((inside, True), (outside, False)):
+        if item > 65535:
+            continue
+        dut.first_i.value = dut.last_i.value = item
+        for other, wait in ((1, 0), (1, 1), (0, 1)):
+            dut.req_i.value, dut.other_i.value, dut.wait_i.value = 1, other, wait
+            await clocks(dut, 2)
+            answered = []
+            for _ in range(6):
+                await settle()
+                assert int(dut.refused_o.value) == (not exists)
+                answered.append(int(dut.ack_o.value))
+                if answered[-1]:
+                    assert int(dut.exception_o.value) == EX.ADDRESS
+                await clocks(dut)
+            assert any(answered) == (not other and not exists), f"item {item}, other {other}, wait {wait}: {answered}"
+            dut.req_i.value = 0
+            await clocks(dut, 2)
+        dut.other_i.value = dut.wait_i.value = 0
+        assert await verdict(dut, Space.HOLDINGS, item, item, 0) == (0 if exists else EX.ADDRESS)
+
+

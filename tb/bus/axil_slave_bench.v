@@ -9,12 +9,7 @@ module axil_slave_bench #(
   parameter integer T15_MIN_US = 0,
   parameter integer T35_MIN_US = 0,
   parameter integer HOLD = 1,
-  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 64,
-  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 64,
-  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
-  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
-  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
-  parameter integer FILE_COUNT = 0,     parameter integer FILE_RECORDS = 256
+`include "modbus_tables.vh"
 ) (
   input  wire         clk_i,
   input  wire         rst_i,
@@ -81,11 +76,8 @@ module axil_slave_bench #(
   wire [15:0] write, read;
 
   slave_bench #(
-    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT),
-    .DISCRETE_BASE(DISCRETE_BASE), .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE),
-    .INPUT_COUNT(INPUT_COUNT), .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT),
-    .READ_ONLY_BASE(READ_ONLY_BASE), .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT),
-    .FILE_RECORDS(FILE_RECORDS)
+    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US),
+`include "modbus_tables_inst.vh"
   ) u_slave (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
     .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
@@ -93,7 +85,7 @@ module axil_slave_bench #(
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i),
     .busy_i(busy_i), .failure_i(failure_i), .exception_status_i(exception_status_i),
     .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .write_lock_i(write_lock_i),
-    .listen_only_o(listen_only_o), 
+    .listen_only_o(listen_only_o),
     .status_stb_i(status_stb_i), .status_adr_i(status_adr_i), .status_dat_o(status_dat_o),
     .status_ack_o(status_ack_o), .write_stb_o(write_stb_o), .write_space_o(write_space_o),
     .write_first_o(write_first_o), .write_last_o(write_last_o), .write_file_o(write_file_o),

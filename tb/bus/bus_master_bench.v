@@ -4,6 +4,7 @@
 // bus_master_bench - the core as a master of a bus: AXI4-Lite by modbus_axil_master, or its own Wishbone with modbus_bank_guard.
 
 `default_nettype none
+`include "modbus_defs.vh"
 
 module bus_master_bench #(
   parameter integer AXIL = 1,                    // 0: Wishbone
@@ -15,12 +16,8 @@ module bus_master_bench #(
   parameter [31:0]  INPUT_AT    = 32'h00080000,
   parameter [31:0]  HOLDING_AT  = 32'h000C0000,
   parameter [31:0]  FILE_AT     = 32'h00100000,
-  parameter integer COIL_BASE = 0,      parameter integer COIL_COUNT = 64,
-  parameter integer DISCRETE_BASE = 0,  parameter integer DISCRETE_COUNT = 64,
-  parameter integer INPUT_BASE = 0,     parameter integer INPUT_COUNT = 64,
-  parameter integer HOLDING_BASE = 0,   parameter integer HOLDING_COUNT = 64,
-  parameter integer READ_ONLY_BASE = 0, parameter integer READ_ONLY_COUNT = 0,
-  parameter integer FILE_COUNT = 0,     parameter integer FILE_RECORDS = 256
+  parameter [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS,
+`include "modbus_tables.vh"
 ) (
   input  wire         clk_i,
   input  wire         rst_i,
@@ -97,7 +94,12 @@ module bus_master_bench #(
   wire [3:0]  exception;
   wire [15:0] grant_first, grant_last, grant_file, wb_read;
 
-  core_bench #(.T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US)) u_core (
+  // A table of size 0 has no function codes.
+`include "modbus_table_codes.vh"
+
+  core_bench #(
+    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(TABLE_CODES)
+  ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .address_i(address_i),
     .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
     .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0),
@@ -121,14 +123,11 @@ module bus_master_bench #(
   wire [3:0] guard_exception, bridge_exception;
 
   modbus_bank_guard #(
-    .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
-    .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
-    .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-    .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS)
+`include "modbus_tables_inst.vh"
   ) u_guard (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .hold_i(1'b0), .req_i(grant_req),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .req_i(grant_req),
     .space_i(grant_space), .first_i(grant_first), .last_i(grant_last), .write_i(grant_write), .file_i(grant_file),
-    .ack_o(guard_ack), .exception_o(guard_exception)
+    .flat_i(1'b0), .other_i(1'b0), .wait_i(1'b0), .ack_o(guard_ack), .exception_o(guard_exception)
   );
 
   assign grant_ack = (AXIL != 0 && GUARD != 0) ? bridge_ack : guard_ack;
@@ -138,10 +137,8 @@ module bus_master_bench #(
     if (AXIL != 0) begin : gen_axil
       modbus_axil_master #(
         .COIL_AT(COIL_AT), .DISCRETE_AT(DISCRETE_AT), .INPUT_AT(INPUT_AT), .HOLDING_AT(HOLDING_AT), .FILE_AT(FILE_AT),
-        .COIL_BASE(COIL_BASE), .COIL_COUNT(COIL_COUNT), .DISCRETE_BASE(DISCRETE_BASE),
-        .DISCRETE_COUNT(DISCRETE_COUNT), .INPUT_BASE(INPUT_BASE), .INPUT_COUNT(INPUT_COUNT),
-        .HOLDING_BASE(HOLDING_BASE), .HOLDING_COUNT(HOLDING_COUNT), .READ_ONLY_BASE(READ_ONLY_BASE),
-        .READ_ONLY_COUNT(READ_ONLY_COUNT), .FILE_COUNT(FILE_COUNT), .FILE_RECORDS(FILE_RECORDS), .GUARD(GUARD)
+        .GUARD(GUARD),
+`include "modbus_tables_inst.vh"
       ) u_bridge (
         .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .grant_req_i(grant_req),
         .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),

@@ -54,6 +54,8 @@ async def bench(dut, **setup):
     tb.bus.noise = 0xA5C3
     for space in list(Space)[:4]:
         base, width = (COIL, 1) if space in BIT_SPACES else (REGISTER, 16)
+        if not tb.slave.config.tables[space][1]:
+            continue
         for item in range(base, base + 20):
             preset(tb, (space, item), tb.rng.getrandbits(width))
     tb.bursts = [0, 0]  # times burst_o rose, clocks it was high
@@ -145,6 +147,32 @@ async def tables_end_where_they_end(dut):
     tb.apply(write_lock=1)
     tb.bus.begin()
     assert (await ask(tb, frames.write_register(REGISTER, 1)))[2] == EX.ADDRESS and not tb.bus.log
+    await tb.finish()
+
+
+@cocotb.test(**LIMIT)
+async def codes_of_a_missing_table_are_missing(dut):
+    """A table of size 0 answers 01 as behind every other bank, a wrong length included; one that exists 02 and 03."""
+    tb = await bench(dut)
+    for code, space in (
+        (FC.READ_COILS, Space.COILS),
+        (FC.READ_DISCRETES, Space.DISCRETES),
+        (FC.READ_INPUTS, Space.INPUTS),
+        (FC.READ_HOLDINGS, Space.HOLDINGS),
+    ):
+        base, count = tb.slave.config.tables[space]
+        for pdu, otherwise in (
+            (frames.read(code, base, 1), None),
+            (frames.read(code, base + count, 1), EX.ADDRESS),
+            (frames.read(code, base, 0), EX.VALUE),
+            (bytes([code, 0]), EX.VALUE),
+        ):
+            tb.bus.begin()
+            answer = await tb.query(frames.adu(OWN, pdu))
+            wanted = EX.FUNCTION if not count else otherwise
+            seen = answer.data[2] if answer.data[1] & 0x80 else None
+            assert seen == wanted, f"{frames.text(pdu)}: expected {wanted}, seen {seen}"
+            assert len(tb.bus.log) == (wanted is None)
     await tb.finish()
 
 

@@ -269,6 +269,26 @@ async def hold_that_stays_is_the_stall_limits_business(dut):
     await end(tb)
 
 
+@cocotb.test(skip=not AXIL, **LIMIT)
+async def hold_is_answered_when_the_cpu_has_the_memory(dut):
+    """HOLD = 1 in the middle of a burst is answered behind the burst; HOLD = 1 again, and HOLD = 0, at once."""
+    tb = await bench(dut)
+    burst = dut.u_slave.wb_cyc
+    for _ in range(5):
+        task = cocotb.start_soon(tb.both(frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 60)), timing=False))
+        await RisingEdge(burst)
+        await tb.clocks(tb.rng.randrange(2, 60))
+        assert int(burst.value)
+        await tb.cpu.hold(1)
+        assert not int(burst.value), "HOLD is answered within a burst of the line"
+        await tb.cpu.hold(1)
+        assert (await tb.cpu.bus.read(HOLD, 4)).data[0] == 1
+        await tb.cpu.hold(0)
+        assert (await tb.cpu.bus.read(HOLD, 4)).data[0] == 0
+        await task
+    await end(tb)
+
+
 @cocotb.test(**LIMIT)
 async def time_of_an_access(dut):
     """Clocks of an access to a memory that is free: the figures of docs/buses.md."""

@@ -3,22 +3,18 @@
 """The compiled slave as a Python object: builds the shared library and calls it by ctypes."""
 
 import ctypes
-import hashlib
-import json
-import shutil
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import models
 from harness import build
-from harness.runner import PRODUCTS, sources
+from harness.runner import sources
 from protocol.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_address
 from protocol.model import characters
 
 HERE = Path(__file__).resolve().parent
-TOP = "slave_bench"
 STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 40, 300
-FAULTS = {None: 0, "parity": 1, "framing": 2}
+FAULTS = {None: 0, "parity": 1, "framing": 2}  # these and the next as in sim/line.h
 LINE_FAULTS = {
     -1: "an edge off the grid of bit times",
     -2: "a gap between two characters",
@@ -29,56 +25,13 @@ LINE_FAULTS = {
 }
 
 
-class BuildError(RuntimeError):
-    """A tool is missing or has failed."""
-
-
 def library(parameters, harness=HERE / "harness.cpp"):
     """Path of the shared library of slave_bench with `parameters` behind the C functions of `harness`.
 
-    Built if it is not current. Raises BuildError.
+    Raises models.BuildError.
     """
-    if not shutil.which("verilator"):
-        raise BuildError("verilator is not installed")
-    files, folders = sources()
-    inputs = [*files, *sorted(p for f in folders for p in f.glob("*.vh")), harness]
-    digest = hashlib.sha1(json.dumps(parameters, sort_keys=True).encode())
-    for path in inputs:
-        digest.update(path.read_bytes())
-    folder = PRODUCTS / f"shared_{digest.hexdigest()[:12]}"
-    made = folder / "device.so"
-    if made.exists():
-        return made
-    folder.mkdir(parents=True, exist_ok=True)
-    verilate = [
-        *"verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal".split(),
-        *["--top-module", TOP, "--Mdir", str(folder), "-CFLAGS", "-fPIC"],
-        *[f"-I{f}" for f in folders],
-        *[f"-G{name}={value}" for name, value in build.for_simulator("verilator", parameters).items()],
-        *map(str, files),
-    ]
-    _run(verilate, folder)
-    _run(["make", "-C", str(folder), "-f", f"V{TOP}.mk", "OPT_FAST=-O3", f"V{TOP}__ALL.a", "verilated.o"], folder)
-    root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], folder).strip()
-    objects = [folder / f"V{TOP}__ALL.a", folder / "verilated.o"]
-    threads = folder / "verilated_threads.o"
-    if "verilated_threads" in (folder / f"V{TOP}_classes.mk").read_text(encoding="utf-8"):
-        _run(["make", "-C", str(folder), "-f", f"V{TOP}.mk", "OPT_FAST=-O3", threads.name], folder)
-        objects.append(threads)
-    compile_ = ["g++", "-O2", "-fPIC", "-shared", f"-I{folder}", f"-I{root}/include", f"-I{root}/include/vltstd"]
-    part = folder / "device.part"
-    _run([*compile_, str(harness), *map(str, objects), "-o", str(part), "-pthread"], folder)
-    part.rename(made)
-    return made
-
-
-def _run(command, folder):
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    with (folder / "build.log").open("a", encoding="utf-8") as log:
-        log.write(f"$ {' '.join(command)}\n{done.stdout}{done.stderr}")
-    if done.returncode:
-        raise BuildError(f"{' '.join(command[:3])} ... failed:\n{done.stderr[-2000:]}")
-    return done.stdout
+    given = build.for_simulator("verilator", parameters)
+    return models.compiled(models.Model("slave_bench", harness, *sources(), given))
 
 
 class Setup(ctypes.Structure):

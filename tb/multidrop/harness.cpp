@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// Many verilated modbus_rtu_slave on one two-wire line behind a few C functions.
+// Many compiled slave_bench on one two-wire line behind a few C functions.
 //
 // Time is counted in clocks of the master.  A node's own clock may be faster or slower: it then gets two edges or none
 // in some of them.  A driver that is enabled drives; nobody driving is 1; two driving are counted, and the line is then
@@ -11,17 +11,14 @@
 #include <memory>
 #include <vector>
 
-#include "Vslave_bench.h"
-#include "verilated.h"
-
-double sc_time_stamp() { return 0; }
+#include "model.h"
 
 namespace {
 
 enum Count { kDrives, kFrames, kErrors, kWrites, kCounts };
 
 struct Node {
-  std::unique_ptr<Vslave_bench> top;
+  std::unique_ptr<Vmodel> top;
   double rate = 1, phase = 0;      // clocks in one of the master's
   uint64_t ticks = 0;              // of its own
   uint32_t counts[kCounts] = {};
@@ -29,10 +26,7 @@ struct Node {
 
   void tick(bool line) {
     top->rxd_i = line;
-    top->clk_i = 1;
-    top->eval();
-    top->clk_i = 0;
-    top->eval();
+    cycle(*top);
     ++ticks;
     counts[kFrames] += top->frame_stb_o;
     counts[kWrites] += top->write_stb_o;
@@ -115,7 +109,7 @@ void *bus_new(int nodes) {
   auto *b = new Bus;
   b->nodes.resize(nodes);
   for (auto &n : b->nodes) {
-    n.top.reset(new Vslave_bench{&b->context});
+    n.top.reset(new Vmodel{&b->context});
     n.top->rxd_i = 1;
     n.top->broadcast_en_i = 1;
     n.top->run_indicator_i = 1;
@@ -185,47 +179,20 @@ int64_t bus_edge(void *h, int i, int32_t *level) {
 
 uint32_t bus_count(void *h, int node, int which) { return bus(h).nodes[node].counts[which]; }
 
-// One host access, for which this node's clock runs alone on a line at rest; the value read (0 for a write), or -1 for
-// err, -2 for no answer.
+// A host access or a word of the status port: this node's clock runs alone, on a line at rest.
 int32_t bus_host(void *h, int node, uint32_t address, int write, uint32_t data) {
   auto &n = bus(h).nodes[node];
-  auto &t = *n.top;
-  t.host_cyc_i = t.host_stb_i = 1;
-  t.host_we_i = write;
-  t.host_adr_i = address;
-  t.host_dat_i = data;
-  int32_t result = -2;
-  for (int patience = 0; patience < 2000 && result == -2; ++patience) {
-    t.eval();
-    if (t.host_err_o) result = -1;
-    else if (t.host_ack_o) result = write ? 0 : int32_t(t.host_dat_o);
-    n.tick(true);
-  }
-  t.host_cyc_i = t.host_stb_i = t.host_we_i = 0;
-  n.tick(true);
-  return result;
+  return host_access(*n.top, [&] { n.tick(true); }, address, write, data, 2000);
 }
 
-// One word of the status port, likewise, or -2 for no answer.
 int32_t bus_counter(void *h, int node, uint32_t address) {
   auto &n = bus(h).nodes[node];
-  auto &t = *n.top;
-  t.status_stb_i = 1;
-  t.status_adr_i = address;
-  int32_t result = -2;
-  for (int patience = 0; patience < 1000 && result < 0; ++patience) {
-    n.tick(true);
-    if (t.status_ack_o) result = t.status_dat_o;
-  }
-  t.status_stb_i = 0;
-  n.tick(true);
-  return result;
+  return status_word(*n.top, [&] { n.tick(true); }, address);
 }
 
-// {listen-only, entries of the log, diagnostic register}
 uint32_t bus_state(void *h, int node) {
-  const uint32_t listen_only = bus(h).nodes[node].top->listen_only_o;
-  return listen_only << 23 | uint32_t(bus_counter(h, node, 2)) << 16 | uint32_t(bus_counter(h, node, 0));
+  auto &n = bus(h).nodes[node];
+  return diagnostic_state(*n.top, [&] { n.tick(true); });
 }
 
 }  // extern "C"

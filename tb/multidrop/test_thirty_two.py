@@ -2,14 +2,14 @@
 # Copyright (c) 2026 the project contributors
 """32 compiled slaves on one line: every address, random traffic, drivers that lead and trail, clocks that differ.
 
-SEED chooses addresses, contents and traffic; FULL=1 plays a hundred times as much.
+SEED chooses addresses, contents and traffic; FULL=1 plays ten times as much.
 """
 
 import contextlib
-import os
 
 import pytest
 from harness.build import NO_FLOORS, function_mask
+from harness.volume import volume
 from harness.wave import LineError
 from protocol import frames
 from protocol.defs import BROADCAST, DIAGNOSTIC_FUNCTIONS, FC, Sub
@@ -17,7 +17,7 @@ from protocol.defs import BROADCAST, DIAGNOSTIC_FUNCTIONS, FC, Sub
 from .compiled import Bus
 
 NODES = 32
-REQUESTS = 30_000 if os.environ.get("FULL") == "1" else 300
+REQUESTS = volume("random requests on 32 compiled slaves")
 ITEMS = 8
 PLAIN = (FC.READ_COILS, FC.READ_HOLDINGS, FC.WRITE_COIL, FC.WRITE_REGISTER, FC.WRITE_COILS, FC.WRITE_REGISTERS)
 BUILD = {

@@ -312,7 +312,7 @@ async def spiky(tb, stop, period, width):
 
 
 # Period and width in bits; the second is what was seen to hold the waits at 115200 baud and 50 MHz.
-SPIKES = ((0.26, 0.12), (0.38, 0.01), (0.97, 0.2), (1.0, 0.24), (2.1, 0.2))
+SPIKES = ((0.31, 0.12), (0.38, 0.01), (0.97, 0.2), (1.0, 0.24), (2.1, 0.2))
 
 
 @cocotb.test()

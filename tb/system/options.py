@@ -8,7 +8,7 @@ from harness.bench import CLOCK_PS, PARAMETERS, PROCESSING_CLOCKS, Bench
 from harness.build import DEFAULT_CLK_HZ
 from harness.line import now
 from protocol import frames
-from protocol.defs import FC, Space
+from protocol.defs import EX, FC, Space
 
 OWN, OTHER = 17, 18
 READ = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 2))
@@ -187,12 +187,14 @@ async def host_and_line_share_the_memory_without_tearing(dut):
 @cocotb.test()
 async def core_waits_for_a_host_that_keeps_the_bus(dut):
     tb = await Bench.start(dut)
+    base, _ = tb.slave.config.tables[Space.HOLDINGS]
+    request = frames.adu(OWN, frames.read(FC.READ_HOLDINGS, base, 1))
     dut.host_cyc_i.value = 1
-    await tb.line.send(READ)
+    await tb.line.send(request)
     assert await tb.line.answer(tb.t35 + 2000 * tb.bit) is None, "answered without the bus"
     dut.host_cyc_i.value = 0
     answer = await tb.line.answer(400 * tb.bit)
-    assert answer and answer.data == tb.slave.request(READ), f"seen {answer}"
+    assert answer and answer.data == tb.slave.request(request), f"seen {answer}"
     await tb.finish()
 
 
@@ -231,7 +233,7 @@ async def late_answer_may_be_dropped(dut, drop, delay):
 async def spikes_do_not_hold_the_stall_limit(dut, limit):
     """The host keeps the memory; exception 06 comes after the stall limit whatever spikes there are."""
     tb = await Bench.start(dut, bit_time=32, stall_limit=limit)
-    for period, width in ((0.26, 0.12), (0.97, 0.2), (1.0, 0.24)):
+    for period, width in ((0.31, 0.12), (0.97, 0.2), (1.0, 0.24)):
         dut.host_cyc_i.value = 1
         tb.sent = await tb.line.send(READ)
         stop = []
@@ -276,6 +278,54 @@ async def idle_tells_when_settings_may_change(dut):
     await tb.silence()
     assert await tb.both(request) is not None
     await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(limit=[0, 40], strobes=[0, 1])
+async def range_that_does_not_exist_needs_no_memory(dut, limit, strobes):
+    """While the host holds the memory: 02 at once outside the tables (protocol digest 7.1), else 06 at the limit.
+
+    The block of the host stays one piece meanwhile, whether it pauses under its cyc or accesses again and again.
+    """
+    tb = await Bench.start(dut, stall_limit=limit)
+    base, count = tb.slave.config.tables[Space.HOLDINGS]
+    stop, seen = [], []
+
+    async def host():
+        dut.host_cyc_i.value, dut.host_we_i.value = 1, 0
+        dut.host_adr_i.value = (int(Space.HOLDINGS) << 16) | base
+        while not stop:
+            dut.host_stb_i.value = strobes
+            await RisingEdge(dut.clk_i)
+            assert not int(dut.host_err_o.value), "an item of the table answers err"
+            if int(dut.host_ack_o.value):
+                seen.append(int(dut.host_dat_o.value))
+        dut.host_cyc_i.value = dut.host_stb_i.value = 0
+
+    await tb.host(Space.HOLDINGS, base, write=0x7788)
+    task = cocotb.start_soon(host())
+    for pdu in (
+        frames.read(FC.READ_HOLDINGS, base + count, 1),
+        frames.read(FC.READ_HOLDINGS, base + count - 1, 2),
+        frames.write_registers(base + count - 1, [1, 2]),
+    ):
+        answer = await tb.query(frames.adu(OWN, pdu))
+        wanted = frames.adu(OWN, bytes([pdu[0] | 0x80, EX.ADDRESS]))
+        assert answer and answer.data == wanted, f"{frames.text(pdu)}: seen {answer and frames.text(answer.data)}"
+        assert tb.latency(answer) < 4 + PROCESSING_CLOCKS / tb.setup.bit_time, "it has waited for the memory"
+    pdu = frames.write_register(base, 0x1111)
+    answer = await tb.query(frames.adu(OWN, pdu), patience=1000 * tb.bit)
+    if limit:
+        assert answer and answer.data == frames.adu(OWN, bytes([pdu[0] | 0x80, EX.BUSY])), answer
+    else:
+        assert answer is None, "answered without the memory"
+    assert set(seen) == ({0x7788} if strobes else set()), f"the line wrote into the block of the host: {set(seen)}"
+    stop.append(True)
+    await task
+    if not limit:
+        answer = await tb.line.answer(400 * tb.bit)
+        assert answer and answer.data == frames.adu(OWN, pdu), answer
+    await tb.host(Space.HOLDINGS, base, write=0)
 
 
 @cocotb.test()

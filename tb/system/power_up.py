@@ -15,9 +15,8 @@ IDLE = {"txd_o": 1, "de_o": 0, "alive_o": 0, "rx_active_o": 0, "frame_stb_o": 0,
 EARLY_CLOCKS = 40  # into the silence that comes first
 
 
-@cocotb.test()
-async def works_without_a_reset(dut):
-    """Idle outputs from the first moment; nothing is heard before t3.5 of silence; then all is as after a reset."""
+async def powered_up(dut):
+    """A bench at time 0, every input at rest, the clock not yet running."""
     assert now() == 0, "something ran before"
     for port in (*AT_REST, "rst_i", "clk_i"):
         if hasattr(dut, port):
@@ -27,6 +26,24 @@ async def works_without_a_reset(dut):
     tb = Bench(dut, 1)
     tb.apply()
     await Timer(1, "ps")
+    return tb
+
+
+@cocotb.test()
+@cocotb.parametrize(pdu=["05", "1500"])
+async def first_frame_is_short(dut, pdu):
+    """A request that ends before its fields, as the first frame: exception 03, and the next request is answered."""
+    tb = await powered_up(dut)
+    Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
+    await tb.silence()
+    assert await tb.both(frames.adu(OWN, bytes.fromhex(pdu)))
+    assert await tb.both(frames.adu(OWN, frames.read(FC.READ_HOLDINGS, tb.slave.config.tables[Space.HOLDINGS][0], 1)))
+
+
+@cocotb.test()
+async def works_without_a_reset(dut):
+    """Idle outputs from the first moment; nothing is heard before t3.5 of silence; then all is as after a reset."""
+    tb = await powered_up(dut)
 
     async def idle(when):
         await ReadOnly()

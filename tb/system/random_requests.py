@@ -12,10 +12,11 @@ import cocotb
 from harness.bench import Bench
 from harness.traffic import Traffic
 from harness.user import User
+from harness.volume import volume
 from protocol.defs import F8E1, F8N1, F8N2, F8O1
 
 SEED = int(os.environ.get("BENCH_SEED", "1"))
-COUNT = int(os.environ.get("BENCH_COUNT", "300"))
+COUNT = int(os.environ.get("BENCH_COUNT", volume("random requests in a simulator")))
 COMPARE_EVERY = 50
 FAILURES = (4, 5, 6, 7, 8, 10, 11)
 

@@ -4,20 +4,16 @@
 
 import bisect
 import ctypes
-import hashlib
 import math
-import os
-import shutil
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import models
 from harness import wave
-from harness.runner import PRODUCTS, sources
+from harness.runner import sources
 from protocol.defs import F8E1
 
 HERE = Path(__file__).resolve().parent
-TOP = "timing_top"
 UNIT = 1000  # wave.encode counts in thousandths of a clock here
 OWN = 17  # the address of timing_top
 
@@ -37,59 +33,11 @@ def mask(names):
 
 
 def library(**parameters):
-    """Path of the shared library of timing_top with `parameters`, built if it is not current."""
+    """Path of the shared library of timing_top with `parameters`; raises models.BuildError."""
     files, folders = sources()
-    own = [HERE / "timing_top.v", HERE / "harness.cpp"]
-    digest = hashlib.sha1(repr(sorted(parameters.items())).encode())
-    for path in (*files, *sorted(p for f in folders for p in f.glob("*.vh")), *own):
-        digest.update(path.read_bytes())
-    name = f"timing_doc_{digest.hexdigest()[:12]}"
-    made = PRODUCTS / name / "device.so"
-    if made.exists():
-        return made
-    folder = PRODUCTS / f"{name}.{os.getpid()}"  # another process may be building the same
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    _run(
-        [
-            *"verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal".split(),
-            *["--top-module", TOP, "--Mdir", str(folder), "-CFLAGS", "-fPIC"],
-            *[f"-I{f}" for f in folders],
-            *[f"-G{key}={value}" for key, value in parameters.items()],
-            *map(str, files),
-            str(own[0]),
-        ],
-        folder,
+    return models.compiled(
+        models.Model("timing_top", HERE / "harness.cpp", [*files, HERE / "timing_top.v"], folders, parameters)
     )
-    make = ["make", "-C", str(folder), "-f", f"V{TOP}.mk", "OPT_FAST=-O2", "OPT_SLOW=-O0"]
-    objects = [f"V{TOP}__ALL.a", "verilated.o"]
-    if "verilated_threads" in (folder / f"V{TOP}_classes.mk").read_text(encoding="utf-8"):
-        objects.append("verilated_threads.o")
-    _run([*make, *objects], folder)
-    root = _run(["verilator", "--getenv", "VERILATOR_ROOT"], folder).strip()
-    _run(
-        [
-            *"g++ -O2 -fPIC -shared".split(),
-            *[f"-I{folder}", f"-I{root}/include", f"-I{root}/include/vltstd", str(own[1])],
-            *[str(folder / part) for part in objects],
-            *["-o", str(folder / "device.so"), "-pthread"],
-        ],
-        folder,
-    )
-    if not made.exists():
-        shutil.rmtree(made.parent, ignore_errors=True)
-        try:
-            folder.rename(made.parent)
-        except OSError:  # the other process was first
-            shutil.rmtree(folder)
-    return made
-
-
-def _run(command, folder):
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(f"{' '.join(command[:3])} ... in {folder} failed:\n{done.stderr[-2000:]}")
-    return done.stdout
 
 
 class Setup(ctypes.Structure):

@@ -7,16 +7,13 @@
 
 #include <cstdint>
 
-#include "Vtiming_top.h"
-#include "verilated.h"
-
-double sc_time_stamp() { return 0; }
+#include "model.h"
 
 namespace {
 
 struct Device {
   VerilatedContext context;
-  Vtiming_top top{&context};
+  Vmodel top{&context};
   uint64_t now = 0;
 
   void settle() { top.clk_i = 0; top.eval(); }

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_burst - the way to the bank: the grant question, and the burst that moves a range between frame and bank.
+//
+// A burst moves the whole range under one wb_cyc_o: bits packed eight to a byte, least significant first, the last byte
+// filled with zeros; registers high byte first.  A register takes two clocks, a bit one and each byte of bits one more,
+// beside the bank's wait states.  The byte on its way, held_o, is also that of the steps between bursts: the high byte
+// of a field, or a byte to put.
+//
+// The bus is Wishbone B4, classic cycles, 16 bits of data.  A bit uses data bit 0; the other data bits of a bit write
+// mean nothing.  wb_err_i ends the burst with the bank's exception code (0 stands for 04).  A range past its end is
+// refused with 02 without a question.  A grant question or a beat that is not answered when stall_i rises is withdrawn
+// and ends with 06 or 04.
+//
+// Spaces above MB_SPACE_FILES are memories inside the core, without grant and bus: words of counters, bytes of the event
+// log and of texts, each there a clock after its address.  A dry burst passes over the data of the frame alone.
+
+`default_nettype none
+`include "modbus_defs.vh"
+`include "modbus_steps.vh"
+
+module modbus_burst #(
+  parameter integer HAS_BITS     = 1,        // coils or discrete inputs are reachable
+  parameter integer HAS_WORDS    = 1,        // registers are reachable
+  parameter integer HAS_MASK     = 1,        // the XOR and AND loads are used
+  parameter integer HAS_INTERNAL = 1,        // spaces inside the core
+  parameter integer HAS_LITERALS = 1,        // literals to hold
+  parameter integer HAS_FILES    = 1         // dry bursts
+) (
+  input  wire        clk_i,
+  input  wire        rst_i,
+
+  // Sequencer
+  input  wire [`MB_BURST_DO_WIDTH-1:0] do_i,         // MB_DO_*
+  input  wire [9:0]  argument_i,     // level : MB_ARG_WRITE, KEEP, DRY, WHAT, MARK, LITERAL
+  input  wire [2:0]  space_i,        // level
+  input  wire [7:0]  status_i,       // level : the status byte
+  output wire [7:0]  held_o,
+  output wire        done_o,         // strobe: granted, or the burst has ended
+  output wire        fail_o,         // strobe: refused, broken off
+  output wire [3:0]  fail_code_o,    // level : with fail_o
+
+  // Range
+  input  wire        past_end_i,     // level : the range is refused
+  input  wire        at_last_i,      // level : this is the last item
+  output wire        moving_o,       // level : a burst is under way
+  output wire        next_o,         // strobe: an item is through
+
+  // Frame RAM
+  input  wire [7:0]  byte_i,         // under the cursor
+  output wire        put_o,          // strobe: data_o goes under the cursor; cursor and count up
+  output wire [7:0]  data_o,         // level : also for the PUT step
+  output wire        step_o,         // strobe: cursor up, count down
+
+  // Memories inside the core
+  output wire        inner_o,        // level : a burst reads one of them
+  input  wire [15:0] inner_i,        // bytes in the low half
+
+  // Stall watch
+  output wire        waiting_o,      // level : the bank owes an answer
+  input  wire        stall_i,        // level : it has owed it for too long
+
+  // Bank
+  output wire        grant_req_o,
+  input  wire        grant_ack_i,
+  input  wire [3:0]  exception_i,    // with grant_ack_i: 0 granted; with wb_err_i: 0 means 04
+  output wire        wb_cyc_o,
+  output wire        wb_stb_o,
+  output wire        wb_we_o,
+  output wire [15:0] wb_dat_o,
+  input  wire [15:0] wb_dat_i,
+  input  wire        wb_ack_i,
+  input  wire        wb_err_i
+);
+
+  localparam [2:0] ST_REST = 3'd0, ST_TAKE = 3'd1, ST_BEAT = 3'd2, ST_FILL = 3'd3, ST_PUT = 3'd4;
+
+  reg [2:0]  state_q = ST_REST, state_d;
+  reg [7:0]  held_q = 8'd0;          // a literal may come before the first byte: no X in a simulation
+  reg [2:0]  bit_q;
+  reg        ended_q;                // the last item is through
+  reg        keep_q = 1'b0;
+  reg        inner_ack_q;            // the inner memory shows the item
+  reg        inner_q, dry_q;         // where the burst goes, known when it begins
+
+  wire asks   = do_i[`MB_DO_GRANT];
+  wire writes = argument_i[`MB_ARG_WRITE];
+
+  wire words = (HAS_BITS == 0) || (HAS_WORDS != 0 && space_i[2:1] != 2'b00);
+  wire inner = (HAS_INTERNAL != 0) & inner_q;
+  wire bytes = inner & space_i[1];
+  wire dry   = (HAS_FILES != 0) & dry_q;
+
+  // ------------------------------------------------------------------ the burst
+
+  wire beat  = (state_q == ST_BEAT);
+  wire fill  = (state_q == ST_FILL);
+  wire put   = (state_q == ST_PUT);
+  wire take  = (state_q == ST_TAKE) & ~ended_q;
+  wire item  = beat & ~ended_q;
+  wire stb   = item & ~inner & ~dry;
+  wire ack   = (stb & wb_ack_i & ~wb_err_i) | (item & (inner_ack_q | dry));
+  wire full  = (bit_q == 3'd7);
+  wire shift = ~words & (ack | fill);
+  wire put_high   = ack & ~writes & words & ~bytes;
+  wire lost       = stb & (wb_err_i | (stall_i & ~wb_ack_i));
+  wire burst_done = ended_q & (put | (writes & (beat | state_q == ST_TAKE)));
+
+  always @* begin
+    state_d = state_q;
+    case (state_q)
+      // No burst.
+      ST_REST: if (do_i[`MB_DO_BURST]) state_d = writes ? ST_TAKE : ST_BEAT;
+      // The next byte to write (of a register the high one) leaves the frame.
+      ST_TAKE: state_d = ST_BEAT;
+      // One item on the bus; behind the last bit of a read the byte is filled up.
+      ST_BEAT: begin
+        if (ended_q)                     state_d = ST_FILL;
+        else if (ack && (words || full)) state_d = writes ? ST_TAKE : ST_PUT;
+      end
+      // Zeros above the last bit.
+      ST_FILL: if (full) state_d = ST_PUT;
+      // A byte of bits, or the low byte of a register, goes to the frame.
+      ST_PUT: state_d = ST_BEAT;
+      default: state_d = ST_REST;
+    endcase
+    if (lost || burst_done) state_d = ST_REST;
+  end
+
+  // ------------------------------------------------------------------ the held byte
+
+  // From the bus or shifted while items move, else a literal, the status, or made of the byte under the cursor
+  wire        load    = do_i[`MB_DO_LOAD];
+  wire        literal = (HAS_LITERALS != 0) & do_i[`MB_DO_LITERAL];
+  wire        moves   = beat | fill;
+  wire [15:0] data    = inner ? inner_i : wb_dat_i;
+  wire [7:0]  moved   = words ? data[7:0] : {data[0] & beat, held_q[7:1]};
+  wire [1:0]  what    = load ? argument_i[`MB_ARG_WHAT] : `MB_LOAD_BYTE;
+  wire [7:0]  given   = literal ? argument_i[`MB_ARG_LITERAL] : status_i;
+  wire [7:0]  seen    = (literal | do_i[`MB_DO_STATUS])            ? given :
+                        (what == `MB_LOAD_XOR && HAS_MASK != 0)    ? held_q ^ byte_i :
+                        (what == `MB_LOAD_AND && HAS_MASK != 0)    ? held_q & byte_i :
+                        {byte_i[7] | (load & argument_i[`MB_ARG_MARK]), byte_i[6:0]};
+  wire        holds   = do_i[`MB_DO_HOLD] | load | literal | do_i[`MB_DO_STATUS] | take | ack | fill;
+
+  always @(posedge clk_i) begin
+    state_q     <= state_d;
+    inner_q     <= space_i[2] & (space_i[1:0] != 2'b00);
+    dry_q       <= argument_i[`MB_ARG_DRY];
+    inner_ack_q <= item & inner & ~inner_ack_q;
+    if (burst_done || lost || do_i[`MB_DO_RELEASE]) keep_q <= argument_i[`MB_ARG_KEEP] & burst_done;
+    if (state_q == ST_REST) ended_q <= 1'b0;
+    else if (ack)           ended_q <= at_last_i;
+
+    if (state_q == ST_REST) bit_q <= 3'd0;
+    else if (shift)         bit_q <= bit_q + 3'd1;
+
+    if (holds) held_q <= moves ? moved : seen;
+
+    if (rst_i) begin
+      state_q <= ST_REST;
+      keep_q  <= 1'b0;
+    end
+  end
+
+  // ------------------------------------------------------------------ answers
+
+  wire question = asks & ~past_end_i;
+  wire granted  = question & grant_ack_i & (exception_i == 4'd0);
+  wire refused  = asks & (past_end_i | (grant_ack_i ? exception_i != 4'd0 : stall_i));
+
+  assign done_o      = granted | burst_done;
+  assign fail_o      = refused | lost;
+  assign fail_code_o = (asks & past_end_i)               ? `MB_EX_ILLEGAL_DATA_ADDRESS :
+                       (asks ? grant_ack_i : wb_err_i)   ? (exception_i | {1'b0, exception_i == 4'd0, 2'b00}) :
+                       asks                              ? `MB_EX_DEVICE_BUSY : `MB_EX_DEVICE_FAILURE;
+  assign held_o   = held_q;
+  assign moving_o = (state_q != ST_REST);
+  assign next_o   = ack;
+
+  assign put_o  = put_high | put;
+  assign data_o = beat ? data[15:8] : held_q;
+  assign step_o = take | (ack & writes & words);
+
+  assign waiting_o   = (question & ~grant_ack_i) | (stb & ~wb_ack_i);
+  assign grant_req_o = question;
+  assign inner_o     = moving_o & inner;
+
+  assign wb_cyc_o = (moving_o & ~inner & ~dry) | keep_q;
+  assign wb_stb_o = stb;
+  assign wb_we_o  = stb & writes;
+  assign wb_dat_o = {held_q, byte_i[7:1], words ? byte_i[0] : held_q[0]};
+
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_bank_ports - the ports of a bank towards the core: grant question and Wishbone; included in a module's port list.
+//
+// It ends without a comma.  modbus_bank_wires.vh declares the wires between core and bank, modbus_bank_inst.vh connects a
+// bank to them, modbus_bank_core_inst.vh the core.
+//
+// Grant: the core shows the range and holds grant_req_i until grant_ack_o; with it exception_o is 0, or the exception code
+// of the answer.  The core may withdraw the question: a bank forgets it when grant_req_i falls.
+// Burst: Wishbone B4 classic, at most the range that was granted, under one wb_cyc_i.  While wb_cyc_i is high the core
+// shows the address of a beat no later than its strobe, and one clock earlier where the strobe was low.
+// The core breaks a burst off when the bank is silent for the stall limit: wb_cyc_i falls.  A bank forgets the access
+// then.  An ack that comes later would be taken for one of the next request.
+
+  input  wire        grant_req_i,                // level until grant_ack_o
+  input  wire [2:0]  grant_space_i,              // MB_SPACE_*
+  input  wire [15:0] grant_first_i,              // first and last item; the last is not below the first
+  input  wire [15:0] grant_last_i,
+  input  wire        grant_write_i,
+  input  wire [15:0] grant_file_i,               // space 4: file number, through the burst; the items are records
+  output wire        grant_ack_o,                // strobe
+  output wire [3:0]  exception_o,                // with grant_ack_o: 0 granted, else the code; with wb_err_o: 0 means 04
+  input  wire        wb_cyc_i,
+  input  wire        wb_stb_i,
+  input  wire        wb_we_i,
+  input  wire [18:0] wb_adr_i,                   // {space, item}
+  input  wire [15:0] wb_dat_i,                   // coils: bit 0, the others mean nothing
+  output wire [15:0] wb_dat_o,
+  output wire        wb_ack_o,                   // only with wb_stb_i
+  output wire        wb_err_o

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Compiles a Verilog top with Verilator and puts it behind a C++ file: the one builder of compiled models.
+
+The live device (sim/serve.py), the random traffic (tb/differential), the shared line (tb/multidrop) and the
+measurements (tb/timing_doc) take their models from here.  What is built is kept in build/models under a name made
+of the contents of everything that goes in, so a model is compiled once and a stale one is never taken.
+
+Needs Python's standard library only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+HEADERS = ROOT / "sim"  # line.h, model.h and others for the C++ files
+CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
+PREFIX = "Vmodel"  # class and header of every model, whatever its top
+VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
+OPTIMISE = "-O3"  # of the model itself; twice as fast as -Os, Verilator's default
+NEWER = "fronts"  # folder of the Verilator that cocotb needs; models of the system's run twice as fast
+
+
+class BuildError(RuntimeError):
+    """A tool is missing or has failed; the message holds what it said."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A Verilog top with parameters as Verilator takes them, and the C++ file that uses it as class Vmodel."""
+
+    top: str
+    wrapper: Path
+    files: Sequence[Path]  # Verilog
+    folders: Sequence[Path]  # of include files
+    parameters: Mapping[str, object] = field(default_factory=dict)
+    defines: Mapping[str, object] = field(default_factory=dict)  # for the C++ file
+    shared: bool = True  # a library for ctypes; else a program
+
+    def digest(self) -> str:
+        """A name for the contents of everything that goes into the build."""
+        settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
+        out = hashlib.sha256(json.dumps(settings).encode())
+        headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
+        for path in (*self.files, *headers, *sorted(HEADERS.glob("*.h")), self.wrapper, Path(__file__)):
+            out.update(f"{Path(path).name}\n".encode())
+            out.update(Path(path).read_bytes())
+        return out.hexdigest()[:16]
+
+
+def verilator() -> str:
+    """Path of the Verilator to compile with; BuildError without one."""
+    places = [p for p in os.get_exec_path() if Path(p).name != NEWER]
+    found = shutil.which("verilator", path=os.pathsep.join(places)) or shutil.which("verilator")
+    if not found:
+        raise BuildError("verilator is not installed")
+    return found
+
+
+def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Path = CACHE) -> Path:
+    """Path of the library or program, compiled now unless that was done before; BuildError if it does not compile.
+
+    `announce` is called before a compilation begins.
+    """
+    key = model.digest()
+    made = cache / key / ("model.so" if model.shared else "model")
+    cache.mkdir(parents=True, exist_ok=True)
+    with open(cache / f"{key}.lock", "w") as lock:  # two may want the same at the same moment
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not made.exists():
+            if announce:
+                announce()
+            folder = cache / f"{key}.tmp"
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            try:
+                _build(model, folder, folder / made.name)
+            except BuildError:
+                raise  # build.log and the sources stay, to look at
+            except BaseException:  # ended by a signal
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
+            made.parent.mkdir(exist_ok=True)
+            os.replace(folder / made.name, made)  # only what is finished reaches its place
+            shutil.rmtree(folder)
+    return made
+
+
+def _build(model: Model, folder: Path, target: Path) -> None:
+    """Verilog to C++, C++ to objects, objects and the wrapper to `target`."""
+    program = verilator()
+    _run(
+        [
+            program,
+            *VERILATE.split()[1:],
+            *("--top-module", model.top, "--prefix", PREFIX, "--Mdir", str(folder), "-CFLAGS", "-fPIC"),
+            *(f"-I{place}" for place in model.folders),
+            *(f"-G{name}={value}" for name, value in model.parameters.items()),
+            *map(str, model.files),
+        ],
+        folder,
+    )
+    objects = [f"{PREFIX}__ALL.a", "verilated.o"]
+    if "verilated_threads" in (folder / f"{PREFIX}_classes.mk").read_text(encoding="utf-8"):  # newer Verilators
+        objects.append("verilated_threads.o")
+    _run(["make", "-j2", "-C", str(folder), "-f", f"{PREFIX}.mk", f"OPT_FAST={OPTIMISE}", *objects], folder)
+    root = _run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()
+    _run(
+        [
+            *("g++", "-std=c++17", "-O2", "-fPIC", *(["-shared"] if model.shared else [])),
+            *(f"-D{name}={value}" for name, value in model.defines.items()),
+            *(f"-I{place}" for place in (folder, HEADERS, f"{root}/include", f"{root}/include/vltstd")),
+            *(str(model.wrapper), *(str(folder / name) for name in objects), "-o", str(target), "-pthread"),
+        ],
+        folder,
+    )
+
+
+def _run(command: list[str], folder: Path) -> str:
+    """Output of a command, which ends with us; BuildError if it fails. All that is said is in build.log."""
+    environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    if shutil.which("ccache"):
+        environment.setdefault("OBJCACHE", "ccache")
+    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    try:
+        process = subprocess.Popen(command, env=environment, start_new_session=True, **pipes)
+    except FileNotFoundError:
+        raise BuildError(f"{command[0]} is not installed") from None
+    try:
+        said, wrong = process.communicate()
+    except BaseException:  # ended by a signal: the compilers end too
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        raise
+    with (folder / "build.log").open("a", encoding="utf-8") as log:
+        log.write(f"$ {' '.join(command)}\n{said}{wrong}")
+    if process.returncode:
+        raise BuildError(f"{' '.join(command[:3])} ... in {folder} failed:\n{wrong[-4000:]}")
+    return said

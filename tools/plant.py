@@ -1,0 +1,273 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Plants deliberate mistakes in copies of the RTL and shows which test catches each.
+
+    plant.py              all of them
+    plant.py crc          those whose name contains `crc`
+    plant.py --update ... puts what was seen into docs/mistakes.md
+
+A mistake (tools/mistakes/) is a search and replace in one file; a pattern that is not found exactly once stops the
+run, so a mistake cannot silently become none.  Each copy first meets the test that caught the mistake the last time,
+by docs/mistakes.md; if that passes, the same fast selection of the regression as all others, in the same order, until
+something fails.  The untouched RTL must pass the whole selection.  Exit status 0 only if it does, every mistake is
+caught, and the table names all of them; 2 for a name that no mistake has.
+"""
+
+import argparse
+import contextlib
+import fcntl
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from pathlib import Path
+
+from mistakes import MISTAKES
+from mistakes.selection import BUSES, COMPILED, MODULES_ALONE, SELECTION
+
+ROOT = Path(__file__).resolve().parents[1]
+TB = ROOT / "tb"
+TREES = ("rtl", "examples")  # where the Verilog is
+WORK = ROOT / "build" / "mistakes"
+TABLE = ROOT / "docs" / "mistakes.md"
+WORKERS = min(2, os.cpu_count() or 1)
+TIMEOUT_SECONDS = 900
+ROW = re.compile(r"^\| (\w+) \| `([\w.]+)` \| (?:`(\w+): ([^`]+)`(?: and \d+ more)?|random traffic|(.*)) \|$", re.M)
+HEAD = """# Deliberate mistakes
+
+`make mistakes UPDATE=1` writes this table. It plants each mistake of [`tools/mistakes/`](../tools/mistakes) in a copy of the RTL and runs
+a selection of the tests until one fails. The table names the suite and the test that failed first; others may notice the
+mistake too.
+
+| Mistake | In | Caught by |
+|---|---|---|
+"""
+
+
+def read_table():
+    """{mistake: (suite, test)} of docs/mistakes.md; suite and test are empty for random traffic."""
+    text = TABLE.read_text(encoding="utf-8") if TABLE.exists() else ""
+    return {found[1]: (found[3] or "", found[4] or "") for found in ROW.finditer(text)}
+
+
+def row(mistake, failed):
+    """The line of the table for what `failed` (["suite: test", ...], or the random traffic)."""
+    more = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
+    first = COMPILED if failed[0].startswith(COMPILED) else f"`{failed[0]}`{more}"
+    return f"| {mistake.name} | `{mistake.file}` | {first} |"
+
+
+def planted(mistake, folder):
+    """Copy the Verilog to `folder` with the mistake in it."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for tree in TREES:
+        shutil.copytree(ROOT / tree, folder / tree)
+    if mistake is None:
+        return
+    path = next(folder.glob(f"*/**/{mistake.file}"))
+    text = path.read_text(encoding="utf-8")
+    found = text.count(mistake.old)
+    if found != 1:
+        sys.exit(f"{mistake.name}: the pattern is {found} times in {mistake.file}: {mistake.old}")
+    path.write_text(text.replace(mistake.old, mistake.new), encoding="utf-8")
+
+
+# ------------------------------------------------------------------ in a process whose TREE= names the copy
+
+
+def concerns(suite, file):
+    """True if a suite can notice a mistake in this file."""
+    if suite in BUSES or any(file in files for files in BUSES.values()):
+        return file in BUSES.get(suite, ())
+    return file in MODULES_ALONE.get(suite, (file,))
+
+
+def judge(touched, places, remembered):
+    """Run parts of the selection until a test fails; print what failed as JSON.
+
+    `touched`: the file that the mistake is in, or "" for every part that `places` names; `remembered`: "suite: test"
+    to begin with, or "".
+    """
+    sys.path[:0] = [str(TB), str(ROOT / "tools")]
+    os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
+    failed = []
+    suite, _, test = remembered.partition(": ")
+    if test:
+        failed = simulated(suite, f"{re.escape(test)}$", len(SELECTION), only_tests=True)
+    elif suite == COMPILED:
+        failed = compiled(dict(SELECTION)[COMPILED])
+    for number in places:
+        if failed:
+            break
+        suite, part = SELECTION[number]
+        if not touched or concerns(suite, touched):
+            failed = compiled(part) if suite == COMPILED else simulated(suite, part, number)
+    print(json.dumps(failed))
+
+
+def suite_of(name):
+    """(top, parameters, cocotb module, its tests or None) of a suite; None for a name that is none."""
+    import test_buses
+    import test_modules
+    import test_system
+
+    if name in test_modules.MODULES:
+        return (*test_modules.MODULES[name], None)
+    for suites, room in ((test_buses.SUITES, "bus"), (test_system.SUITES, "system")):
+        if name in suites:
+            top, parameters, module, only = suites[name]
+            return top, parameters, f"{room}.{module}", only
+    return None
+
+
+def simulated(suite, only, number, only_tests=False):
+    """Failed tests of a suite; an accident counts as one, unless `only_tests`."""
+    from harness.runner import run
+
+    if suite_of(suite) is None:
+        return []
+    top, parameters, module, whole = suite_of(suite)
+    recorded = {}
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            run(recorded.__setitem__, "icarus", top, module, parameters, only=only or whole, own=f"{number}_{suite}")
+    except BaseException as problem:  # pytest's outcomes are no Exceptions
+        tests = [t.split(".", 2)[-1] for t, ok in recorded.get("cocotb", []) if not ok]
+        accident = [] if only_tests else [f"{suite}: {str(problem).splitlines()[0]}"]
+        return [f"{suite}: {t}" for t in tests] or accident
+    return []
+
+
+def compiled(count):
+    """What random traffic on the compiled slave shows, as a list of none or one."""
+    from differential.test_differential import MAPS, SETTINGS_EVERY, Match
+
+    if not shutil.which("verilator"):
+        print("verilator is not installed: no compiled slave", file=sys.stderr)
+        return []
+    match = Match(MAPS["mapped"], "mistakes")
+    for number in range(count):
+        try:
+            if number % SETTINGS_EVERY == 0:
+                match.settings()
+            match.step()
+        except AssertionError as problem:
+            print(f"request {number}: {problem}", file=sys.stderr)
+            return [f"{COMPILED}, compiled"]
+    try:
+        match.compare(whole=True)
+    except AssertionError as problem:
+        print(problem, file=sys.stderr)
+        return [f"{COMPILED}, compiled: memory at the end"]
+    return []
+
+
+# ------------------------------------------------------------------ in the process that was started
+
+
+def judged(name, touched, places, remembered=""):
+    """(failed tests, or None for an accident; seconds) of the copy `name`."""
+    folder = WORK / name
+    env = {**os.environ, "TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build"), "COCOTB_LOG_LEVEL": "ERROR"}
+    for variable in ("WAVES", "CASE", "FULL"):
+        env.pop(variable, None)
+    begun = time.monotonic()
+    task = json.dumps([touched, places, remembered])
+    with (folder / "log").open("a", encoding="utf-8") as messages:
+        try:
+            done = subprocess.run(
+                [sys.executable, __file__, "--judge", task],
+                env=env,
+                stdout=subprocess.PIPE,
+                stderr=messages,
+                text=True,
+                timeout=TIMEOUT_SECONDS,
+                check=False,
+            )
+            failed = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else None
+        except subprocess.TimeoutExpired:
+            failed = [f"no end within {TIMEOUT_SECONDS} s"]
+    return failed, time.monotonic() - begun
+
+
+def run_one(mistake, known):
+    """(failed tests or None, seconds) of a mistake; its builds are thrown away."""
+    (WORK / mistake.name / "log").unlink(missing_ok=True)
+    suite, test = known.get(mistake.name, (None, ""))
+    remembered = "" if suite is None else f"{suite}: {test}" if suite else COMPILED
+    failed, seconds = judged(mistake.name, mistake.file, list(range(len(SELECTION))), remembered)
+    shutil.rmtree(WORK / mistake.name / "build", ignore_errors=True)
+    return failed, seconds
+
+
+def untouched(pool):
+    """What fails of the selection without a mistake."""
+    planted(None, WORK / "untouched" / "tree")
+    (WORK / "untouched" / "log").unlink(missing_ok=True)
+    halves = [list(range(start, len(SELECTION), WORKERS)) for start in range(WORKERS)]
+    results = list(pool.map(lambda places: judged("untouched", "", places), halves))
+    if any(failed is None for failed, _ in results):
+        return ["did not run, see build/mistakes/untouched/log"], results[0][1]
+    return [test for failed, _ in results for test in failed], max(seconds for _, seconds in results)
+
+
+def update(rows):
+    """Put rows into docs/mistakes.md; those of mistakes that are gone leave it."""
+    text = TABLE.read_text(encoding="utf-8") if TABLE.exists() else ""
+    kept = {found[1]: found[0] for found in ROW.finditer(text)} | rows
+    TABLE.write_text(HEAD + "".join(f"{kept[m.name]}\n" for m in MISTAKES if m.name in kept), encoding="utf-8")
+
+
+def main():
+    """Run the mistakes that were asked for; the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("part", nargs="?", default="", help="in the names of those that are planted; all when absent")
+    parser.add_argument("--update", action="store_true", help="write docs/mistakes.md")
+    options = parser.parse_args()
+    chosen = [m for m in MISTAKES if options.part in m.name]
+    if not chosen:
+        print(f"mistakes: T={options.part}: no mistake has this in its name", file=sys.stderr)
+        return 2
+    WORK.mkdir(parents=True, exist_ok=True)
+    lock = (WORK / "lock").open("w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        sys.exit("another `make mistakes` is running in this checkout")
+    for mistake in chosen:  # patterns first: a stale one shall not cost minutes
+        planted(mistake, WORK / mistake.name / "tree")
+    known, rows, missed = read_table(), {}, []
+    with ThreadPoolExecutor(WORKERS) as pool:
+        failed, seconds = untouched(pool)
+        print(f"untouched: {f'FAILS: {failed}' if failed else 'passes'} ({seconds:.0f} s)", flush=True)
+        if failed:
+            return 1
+        waiting = {pool.submit(run_one, mistake, known): mistake for mistake in chosen}
+        for done in as_completed(waiting):
+            mistake, (failed, seconds) = waiting[done], done.result()
+            if failed:
+                rows[mistake.name] = row(mistake, failed)
+            else:
+                missed.append(mistake.name)
+            said = failed[0] if failed else "NOT CAUGHT" if failed == [] else "did not run, see its log"
+            print(f"{mistake.name}: {said} ({seconds:.0f} s)", flush=True)
+    if options.update:
+        update(rows)
+    absent = sorted({m.name for m in MISTAKES} - set(read_table()))
+    if absent and not options.part:
+        print(f"docs/mistakes.md lacks {len(absent)}: make mistakes UPDATE=1")
+    print(f"{len(chosen) - len(missed)} of {len(chosen)} mistakes caught")
+    return 1 if missed or (absent and not options.part) else 0
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--judge"]:
+        judge(*json.loads(sys.argv[2]))
+    else:
+        sys.exit(main())
