@@ -188,8 +188,10 @@ module modbus_frame_rx (
     assume ($stable(gap_count_only_i));
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
+    if (judging || good) assume (!restart_i);                  // the engine has no frame then
     if (!sending_i) assume (!sent_i && !dropped_i);            // of an answer on its way
-    if ($past(send_stb_o)) assume (sending_i || dropped_i);     // send_stb_o begins one, sent_i or dropped_i ends it
+    if ($past(rst_i))      assume (!sending_i);
+    else if ($past(send_stb_o)) assume (sending_i);            // send_stb_o begins one, sent_i or dropped_i ends it
     else assume (!sending_i || $past(sending_i && !sent_i && !dropped_i));
   end
 

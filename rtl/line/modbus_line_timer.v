@@ -161,7 +161,7 @@ module modbus_line_timer #(
 
   always @(posedge clk_i) if (f_past) begin
     // What makes the rest hold from clock to clock
-    assert (t35_chars_q || {halves_q[6], halves_q} + f_rest == f_halves || f_halves == 8'hFF);
+    assert (t35_chars_q || {rest, halves_q} + f_rest == f_halves || f_halves == 8'hFF);
     assert (f_halves != 8'hFF || t35_chars_q);
     assert (halves_q <= t35 + 7'd1 || halves_q >= 7'd125);
     assert (rest == (f_halves < f_rest));
@@ -182,15 +182,15 @@ module modbus_line_timer #(
   // Waits: exactly so many bits
   reg [15:0] f_bits = 16'd0;
   always @(posedge clk_i) if (wait_clear_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
+  always @* assume (bit_stb == (quarter_stb && quarter == 2'd3));
   wire [15:0] f_limit = wait_short_i ? {12'd0, wait_limit_i[3:0]} : wait_limit_i;
   always @(posedge clk_i) if (f_past) begin
     assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
-    assume (bit_stb == (quarter_stb && quarter == 2'd3));
-    if (!$past(wait_clear_i)) begin
+    if (!$past(wait_clear_i) && !wait_clear_i) begin
       assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);
-      assert (f_bits >= bits_q && bits_q <= f_limit + 16'd1);
-      if (wait_over_o && !wait_clear_i) assert (f_bits >= f_limit);
-      if ($past(f_bits) >= $past(f_limit) && !$past(wait_clear_i)) assert (wait_over_o);
+      assert (f_bits >= bits_q && {1'b0, bits_q} <= {1'b0, f_limit} + 17'd1);
+      if (wait_over_o) assert (f_bits >= f_limit);
+      if ($past(f_bits) >= $past(f_limit)) assert (wait_over_o);
     end
     cover (wait_over_o && f_limit == 16'd2);
   end

@@ -67,9 +67,25 @@ class Receiver:
         return {name.removeprefix("err_") for name, seen in self.seen.items() if seen}
 
     async def done(self, answered=0):
-        """The frame was dealt with."""
-        await strobe(self.dut, done_stb=1, answered=answered)
+        """The frame was dealt with: nothing to send, or an answer that goes out."""
+        if not answered:
+            await strobe(self.dut, quiet=1)
+        else:
+            await self.send()
+            await clocks(self.dut, 20)
+            await strobe(self.dut, sent=1)
+            self.dut.sending_i.value = 0
         await clocks(self.dut, 2)
+
+    async def send(self):
+        """The engine has an answer: whether it may go out."""
+        self.dut.send_i.value = 1
+        await settle()
+        goes = int(self.dut.send_stb_o.value)
+        await clocks(self.dut)
+        self.dut.send_i.value = 0
+        self.dut.sending_i.value = goes
+        return goes
 
 
 GOOD = {"good_stb"}
@@ -167,6 +183,58 @@ async def characters_during_the_work_are_ignored(dut):
     await rx.gap(T35)
     assert not rx.seen["good_stb"], "the rest of something was taken for a frame"
     assert await rx.frame(8) == GOOD
+
+
+@cocotb.test()
+async def answer_goes_out_only_in_the_work(dut):
+    rx = await Receiver.start(dut)
+    assert not await rx.send(), "an answer to nothing"
+    await rx.character()
+    assert not await rx.send(), "an answer inside a frame"
+    assert await rx.frame(7) == GOOD
+    assert await rx.send()
+    assert not await rx.send(), "a second answer"
+
+
+@cocotb.test()
+async def nothing_ends_the_work_while_an_answer_is_on_its_way(dut):
+    """Neither quiet nor restart; a frame heard meanwhile is not received."""
+    rx = await Receiver.start(dut)
+    assert await rx.frame(8) == GOOD
+    dut.sending_i.value = await rx.send()
+    for word in ("quiet", "restart"):
+        await strobe(dut, **{word: 1})
+        await rx.gap(T35)
+        assert int(dut.idle_o.value) == 0
+        await rx.character()
+        assert int(dut.active_o.value) == 0, f"receives after {word} while the answer goes out"
+    await strobe(dut, sent=1)
+    dut.sending_i.value = 0
+    await rx.gap(T35)
+    assert int(dut.idle_o.value) == 1
+    assert await rx.frame(8) == GOOD
+
+
+@cocotb.test()
+@cocotb.parametrize(drop=[0, 1])
+async def late_answer_may_be_dropped(dut, drop):
+    """Then only t3.5 of silence makes the next frame heard."""
+    rx = await Receiver.start(dut, drop_late=drop)
+    assert await rx.frame(8) == GOOD
+    assert int(dut.drop_o.value) == 0
+    dut.t15_i.value = dut.t35_i.value = 0
+    await rx.character()
+    assert int(dut.drop_o.value) == drop
+    assert await rx.send()
+    if drop:
+        rx.seen["err_overrun"].clear()
+        await strobe(dut, dropped=1)
+        dut.sending_i.value = 0
+        await clocks(dut, 2)
+        assert len(rx.seen["err_overrun"]) == 1
+        assert int(dut.drop_o.value) == 0, "outlives its frame"
+        assert await rx.frame(8) == set(), "heard before t3.5"
+        assert await rx.frame(8) == GOOD
 
 
 @cocotb.test()

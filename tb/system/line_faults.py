@@ -304,6 +304,92 @@ async def false_start_is_no_character(dut):
     await tb.finish()
 
 
+async def spiky(tb, stop, period, width):
+    """Low spikes of `width` bits, one every `period` bits, until `stop` is no longer empty."""
+    while not stop:
+        await tb.line.hold_low(width)
+        await Timer(round((period - width) * tb.bit), "ps")
+
+
+# Period and width in bits; the second is what was seen to hold the waits at 115200 baud and 50 MHz.
+SPIKES = ((0.31, 0.12), (0.38, 0.01), (0.97, 0.2), (1.0, 0.24), (2.1, 0.2))
+
+
+@cocotb.test()
+@cocotb.parametrize(train=SPIKES, delay=[0, 1, 20])
+async def spikes_on_the_idle_line_stop_no_wait(dut, train, delay):
+    """From the end of the request to the answer: it comes as on a quiet line, at most a bit later."""
+    tb = await Bench.start(dut, bit_time=32, response_delay=delay, de_lead=2)
+    assert await tb.both(READ) is not None
+    quiet = tb.longest_latency
+    for _ in range(3):
+        expected = tb.slave.request(READ)
+        tb.sent = await tb.line.send(READ)
+        stop = []
+        noise = cocotb.start_soon(spiky(tb, stop, *train))
+        begin = await tb.line.answer_begins(tb.t35 + (delay + 10) * tb.bit)
+        stop.append(True)
+        await noise
+        assert begin is not None, "the answer does not come while there are spikes"
+        answer = await tb.line.answer(tb.bit)
+        assert answer and answer.data == expected, f"seen {answer}"
+        late = tb.latency(answer) - delay - quiet
+        assert -0.1 <= late <= 1, f"the answer comes {late:.2f} bits later than on a quiet line"
+        await tb.silence()
+    await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(train=SPIKES)
+async def spikes_do_not_stretch_the_silence_between_frames(dut, train):
+    """A request four characters behind a foreign frame is heard, whatever spikes came between."""
+    tb = await Bench.start(dut, bit_time=32)
+    foreign = frames.adu(OTHER, frames.read(FC.READ_HOLDINGS, REGISTER, 1))
+    for _ in range(3):
+        await tb.line.send(foreign)
+        stop = []
+        noise = cocotb.start_soon(spiky(tb, stop, *train))
+        await Timer(round(41.5 * tb.bit), "ps")
+        stop.append(True)
+        await noise
+        await Timer(2 * tb.bit, "ps")
+        answer = await tb.query(READ)
+        assert answer and answer.data == tb.slave.request(READ), f"seen {answer}"
+        await tb.silence()
+    await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(fmt=["8E1", "8N2"], tail=[0, 15])
+async def strict_silence_begins_with_the_last_stop_bit(dut, fmt, tail):
+    """A request more than a bit behind t3.5 is heard, though the driver was on for some of it."""
+    tb = await Bench.start(dut, fmt=fmt, bit_time=16, strict_turnaround=1, de_tail=tail)
+    for margin in (-1.2, 1.2):
+        await tb.line.send(READ)
+        begin = await tb.line.answer_begins(tb.t35 + 400 * tb.bit)
+        assert begin is not None
+        await wait_until(begin + 7 * tb.setup.fmt.length * tb.bit + tb.t35 + margin * tb.bit)
+        await tb.line.answer(tb.bit)
+        second = await tb.query(READ, phase=0)
+        assert (second is not None) == (margin > 0), f"t3.5 {margin:+} bits behind our last stop bit"
+        await tb.silence()
+    await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(fmt=["8E1", "8N2", "8N1"])
+async def silence_behind_reset_is_exactly_t35(dut, fmt):
+    tb = await Bench.start(dut, fmt=fmt, bit_time=16)
+    for margin in (-1.2, 0.8):
+        for _ in range(3):
+            await tb.reset()
+            await Timer(round(tb.t35 + margin * tb.bit), "ps")
+            answer = await tb.query(READ, phase=0)
+            assert (answer is not None) == (margin > 0), f"t3.5 {margin:+} bits behind reset"
+            await tb.silence()
+    await tb.finish()
+
+
 @cocotb.test()
 async def request_during_the_answer_is_ignored(dut):
     """Whatever is on the line while the device drives it; a frame across the answer's end, too."""

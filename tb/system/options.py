@@ -199,6 +199,88 @@ async def core_waits_for_a_host_that_keeps_the_bus(dut):
 
 
 @cocotb.test()
+@cocotb.parametrize(drop=[0, 1], delay=[0, 30])
+async def late_answer_may_be_dropped(dut, drop, delay):
+    """The host keeps the memory until the master asks again: with drop_late no answer to the first request.
+
+    The next good frame after t3.5 is answered.
+    """
+    tb = await Bench.start(dut, drop_late=drop, response_delay=delay)
+    write = frames.adu(OWN, frames.write_register(3, 0x4711))
+    for again in (1, 0, 3, 8):
+        dut.host_cyc_i.value = 1
+        await tb.line.send(write)
+        await tb.silence()
+        if again:
+            await tb.line.send(READ[:again])
+        dut.host_cyc_i.value = 0
+        answer = await tb.line.answer(400 * tb.bit)
+        dropped = drop and again
+        assert (answer is None) == bool(dropped), f"{again} characters heard: {answer}"
+        if answer:
+            assert answer.data == write
+        assert tb.strobes["overrun"] == int(again > 0), "heard during the work"
+        tb.strobes.clear()
+        tb.slave.request(write)
+        await tb.silence()
+        got = await tb.query(READ)
+        assert got and got.data == tb.slave.request(READ), "the next frame is not answered"
+    await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(limit=[2, 10, 100])
+async def spikes_do_not_hold_the_stall_limit(dut, limit):
+    """The host keeps the memory; exception 06 comes after the stall limit whatever spikes there are."""
+    tb = await Bench.start(dut, bit_time=32, stall_limit=limit)
+    for period, width in ((0.31, 0.12), (0.97, 0.2), (1.0, 0.24)):
+        dut.host_cyc_i.value = 1
+        tb.sent = await tb.line.send(READ)
+        stop = []
+
+        async def spikes(stop=stop, period=period, width=width):
+            while not stop:
+                await tb.line.hold_low(width)
+                await Timer(round((period - width) * tb.bit), "ps")
+
+        noise = cocotb.start_soon(spikes())
+        begin = await tb.line.answer_begins(tb.t35 + (limit + 20) * tb.bit)
+        stop.append(True)
+        await noise
+        assert begin is not None, "no answer while there are spikes"
+        answer = await tb.line.answer(tb.bit)
+        assert answer.data == frames.adu(OWN, bytes([FC.READ_HOLDINGS | 0x80, 6])), f"seen {answer}"
+        bits = tb.latency(answer)
+        assert limit - 1 <= bits <= limit + 1 + PROCESSING_CLOCKS / 32, f"stalled for {bits:.1f} bits, limit {limit}"
+        dut.host_cyc_i.value = 0
+        await tb.silence()
+    await tb.finish()
+
+
+@cocotb.test()
+async def idle_tells_when_settings_may_change(dut):
+    """A rate register: the answer to its write still goes out at the old rate, then idle_o rises."""
+    tb = await Bench.start(dut, bit_time=16, response_delay=10, de_tail=3)
+    request = frames.adu(OWN, frames.write_register(1, 9))
+    assert int(dut.idle_o.value) == 1
+    for bit_time in (9, 23, 8):
+        expected = tb.slave.request(request)
+        sender = cocotb.start_soon(tb.line.send(request))
+        await with_timeout(RisingEdge(dut.write_stb_o), 400 * tb.bit, "ps")
+        await sender
+        assert int(dut.idle_o.value) == 0, "idle while a request is worked on"
+        changed = cocotb.start_soon(with_timeout(RisingEdge(dut.idle_o), 400 * tb.bit, "ps"))
+        answer = await tb.line.answer(400 * tb.bit)
+        await changed
+        assert answer and answer.data == expected
+        assert answer.de_fall <= now(), "idle while the driver is on"
+        tb.apply(bit_time=bit_time)
+    await tb.silence()
+    assert await tb.both(request) is not None
+    await tb.finish()
+
+
+@cocotb.test()
 @cocotb.parametrize(limit=[0, 40], strobes=[0, 1])
 async def range_that_does_not_exist_needs_no_memory(dut, limit, strobes):
     """While the host holds the memory: 02 at once outside the tables (protocol digest 7.1), else 06 at the limit.
