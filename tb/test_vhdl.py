@@ -10,6 +10,7 @@ import shutil
 import subprocess
 
 import pytest
+import vhdl_package
 from harness.build import function_mask
 from harness.runner import PRODUCTS, ROOT, TB, run, sources
 from interface import DERIVED, header, macros, number
@@ -82,6 +83,10 @@ def verilog_width(text, sizes):
     for name, factor in (("COIL", 1), ("DISCRETE", 1), ("INPUT", 16), ("HOLDING", 16)):
         text = text.replace(f"{name}_WIDTH", str(factor * max(sizes.get(f"{name}_COUNT", 0), 1)))
     return number(text.partition(":")[0]) + 1
+
+
+def test_package_is_made_of_the_verilog():
+    assert not vhdl_package.stale(), "run tools/vhdl_package.py --update"
 
 
 def test_constants_are_those_of_the_verilog():

@@ -26,62 +26,27 @@ set text(modbus_rtu_slave) "Modbus RTU slave: coils, inputs, registers and files
 set title(modbus_axil_slave) "AXI4-Lite port of the Modbus RTU slave"
 set text(modbus_axil_slave) "AXI4-Lite in front of the host port of the Modbus RTU slave"
 
-# Parameters: name, least, most (both empty: no range that a number can tell), meaning.
-# docs/parameters.md is the long form; rules over two parameters are checked at elaboration.
-set parameters(modbus_rtu_slave) {
-  CLK_HZ                1000 1000000000 "Frequency of clk_i in hertz"
-  ADDRESS               0    247        "Slave address; 0: only broadcasts are obeyed"
-  BAUD                  {}   {}         "Bits per second, CLK_HZ / 65535 to CLK_HZ / 8"
-  FORMAT                0    3          "Characters: 0 8E1, 1 8O1, 2 8N2, 3 8N1"
-  BROADCAST             0    1          "1: frames to address 0 are obeyed"
-  GAP_COUNT_ONLY        0    1          "1: a gap above t1.5 inside a frame is only reported, 0: it spoils the frame"
-  STRICT_TURNAROUND     0    1          "1: t3.5 of silence behind the own answer before the next request is heard"
-  DROP_LATE             0    1          "1: no answer if the line was heard since the request"
-  RESPONSE_DELAY        0    4095       "Bit times before the answer, beside t3.5"
-  STALL_LIMIT           0    65535      "Bit times that the host may hold the memory; 0: for ever"
-  DE_LEAD               0    15         "Bit times from driver enable to the first start bit"
-  DE_TAIL               0    15         "Bit times from the last stop bit to driver off"
-  T15_MIN_US            0    100000     "Floor of t1.5 in microseconds, not above that of t3.5; 0: none"
-  T35_MIN_US            0    100000     "Floor of t3.5 in microseconds; 0: none"
-  FUNCTION_CODES        {}   {}         "Bit n: function code n is built in"
-  USER_CODES            {}   {}         "Leave at 0: the drop-in has no user port"
-  MAX_READ_BITS         1    2000       "Highest quantity of function codes 01 and 02"
-  MAX_WRITE_BITS        1    1968       "Highest quantity of function code 0F"
-  MAX_READ_REGISTERS    1    125        "Highest quantity of function codes 03 and 04"
-  MAX_WRITE_REGISTERS   1    123        "Highest quantity of function code 10"
-  RW_MAX_READ           1    125        "Highest read quantity of function code 17"
-  RW_MAX_WRITE          1    121        "Highest write quantity of function code 17"
-  COIL_BASE             0    65535      "Address of the first coil, zero-based"
-  COIL_COUNT            0    65536      "Number of coils; 0: no such table"
-  DISCRETE_BASE         0    65535      "Address of the first discrete input, zero-based"
-  DISCRETE_COUNT        0    65536      "Number of discrete inputs; 0: no such table"
-  INPUT_BASE            0    65535      "Address of the first input register, zero-based"
-  INPUT_COUNT           0    65536      "Number of input registers; 0: no such table"
-  HOLDING_BASE          0    65535      "Address of the first holding register, zero-based"
-  HOLDING_COUNT         0    65536      "Number of holding registers; 0: no such table"
-  READ_ONLY_BASE        0    65535      "First holding register that the line must not write"
-  READ_ONLY_COUNT       0    65536      "How many holding registers the line must not write"
-  HOST_MAP              0    1          "1: counters, event log and settings are space 5 of the host port"
-  HOST_SETTINGS         0    1          "1: the host changes the settings at run time"
-  FILE_COUNT            0    65535      "Files of function codes 14 and 15; 0: none"
-  FILE_RECORDS          1    10000      "Records of each file, 16 bits a record"
-  OVERLAY               0    1          "1: one block of holding registers, also seen as bits and input registers"
-  SERVER_ID             {}   {}         "Function code 11: identifier, right-justified"
-  SERVER_ID_BYTES       1    16         "How many bytes of SERVER_ID are sent"
-  ADDITIONAL_DATA       {}   {}         "Function code 11: what follows the run indicator, right-justified"
-  ADDITIONAL_DATA_BYTES 0    234        "How many bytes of ADDITIONAL_DATA are sent"
-  VENDOR_NAME           {}   {}         "Function code 2B/0E: object 00"
-  PRODUCT_CODE          {}   {}         "Function code 2B/0E: object 01"
-  REVISION              {}   {}         "Function code 2B/0E: object 02"
-  VENDOR_URL            {}   {}         "Function code 2B/0E: object 03, not there if empty"
-  PRODUCT_NAME          {}   {}         "Function code 2B/0E: object 04, not there if empty"
-  MODEL_NAME            {}   {}         "Function code 2B/0E: object 05, not there if empty"
-  USER_APPLICATION_NAME {}   {}         "Function code 2B/0E: object 06, not there if empty"
-  PRIVATE_OBJECTS       {}   {}         "Objects 80 to FF, right-justified: number, length and value of each"
-  CONFORMITY            {}   {}         "Conformity level of 2B/0E: 01 02 03 81 82 83 (hexadecimal)"
-  DEVICE_ID_LIMIT       {}   {}         "Largest PDU of an answer of 2B/0E, up to 253; only tests lower it"
-  ALIVE_TIMEOUT_MS      0    16777215   "alive_o falls so many milliseconds after the last frame for us; 0: never"
+# Parameters: name, least, most (both empty: no range that two numbers can tell), meaning.  Those of the drop-in are the
+# tables of docs/parameters.md; rules over two parameters are checked at elaboration.
+proc modbus_documented {root} {
+  set channel [open [file join $root docs parameters.md]]
+  fconfigure $channel -encoding utf-8
+  set lines [split [read $channel] "\n"]
+  close $channel
+  set found {}
+  foreach line $lines {
+    if {![regexp {^\| `([A-Z][A-Z0-9_]*)` \|([^|]*)\|([^|]*)\|([^|]*)\|} $line -> name default range meaning]} continue
+    set range [string trim $range]
+    if {[string match MB_* $name]} continue
+    set least {}
+    set most {}
+    if {$range eq "0, 1"} { set least 0; set most 1 }
+    regexp {^(\d+) \.\. (\d+)(,|$)} $range -> least most
+    lappend found $name $least $most [string map {` {}} [string trim $meaning]]
+  }
+  return $found
 }
+set parameters(modbus_rtu_slave) [modbus_documented $root]
 set parameters(modbus_axil_slave) {
   HOLD                  0    1          "1: the word HOLD keeps the memory between accesses"
 }
@@ -158,7 +123,7 @@ proc modbus_package {root out vendor top title text parameters idle} {
 
   foreach {name least most meaning} $parameters {
     set parameter [ipx::get_user_parameters $name -of_objects $core]
-    if {[llength $parameter] == 0} { error "$top has no parameter $name" }
+    if {[llength $parameter] == 0} continue          ;# of another top
     if {$least ne ""} {
       set_property value_validation_type range_long $parameter
       set_property value_validation_range_minimum $least $parameter

@@ -92,7 +92,11 @@ module modbus_program #(
                    HAS_SINGLE_WRITES = FUNCTION_CODES[`MB_FC_WRITE_SINGLE_COIL] |
                                        FUNCTION_CODES[`MB_FC_WRITE_SINGLE_REGISTER],
                    HAS_MULTIPLE_WRITES = FUNCTION_CODES[`MB_FC_WRITE_MULTIPLE_COILS] |
-                                         FUNCTION_CODES[`MB_FC_WRITE_MULTIPLE_REGISTERS];
+                                         FUNCTION_CODES[`MB_FC_WRITE_MULTIPLE_REGISTERS],
+                   HAS_DATA_ANSWERS = HAS_BIT_READS | HAS_WORD_READS |
+                                      FUNCTION_CODES[`MB_FC_READ_WRITE_REGISTERS] |
+                                      FUNCTION_CODES[`MB_FC_GET_EVENT_LOG] |
+                                      FUNCTION_CODES[`MB_FC_REPORT_SERVER_ID];
 
   // ------------------------------------------------------------------ the mnemonics
 

@@ -5,9 +5,13 @@
 // modbus_program.
 
 // The data stand at AT_READ_DATA and count is their number: put it before them.
-`ROUTINE(ANSWER, 1'b1)
+`ROUTINE(ANSWER, HAS_DATA_ANSWERS)
   `DO(PUT_STATUS(`MB_STATUS_COUNT, AT_BYTE_COUNT))
-  `LABEL(ANSWER_HEAD)
+  `FALL_INTO(ANSWER_HEAD)
+`END_ROUTINE
+
+// The head of an answer up to its first length byte
+`ROUTINE(ANSWER_HEAD, HAS_DATA_ANSWERS | FUNCTION_CODES[`MB_FC_READ_FIFO_QUEUE])
   `DO(POINT(AT_FRAME))
   `DO(WALK_UP(AT_BYTE_COUNT))
   `FALL_INTO(SENDING)

@@ -4,10 +4,9 @@
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
+from harness.steps import argument, do
 from harness.unit import clocks, settle, start
 from protocol.defs import Space
-
-from engine.fields import argument, do
 
 NO_CODE, FAILURE, BUSY, NO_ADDRESS = 0, 4, 6, 2
 COUNTERS, EVENTS = 5, 6  # spaces inside the core

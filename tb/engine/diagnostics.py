@@ -3,9 +3,8 @@
 """Counters, log and status port alone."""
 
 import cocotb
+from harness.steps import NUMBERS, argument, do
 from harness.unit import clocks, settle, start, strobe
-
-from engine.fields import NUMBERS, argument, do
 
 EVENT, OVERRUN = NUMBERS["CPT_EVENT"], NUMBERS["CPT_OVERRUN"]
 LOG_AT = 0x40

@@ -3,9 +3,8 @@
 """The program memory: a step comes a clock after its address; the entries lead to the right routines."""
 
 import cocotb
+from harness.steps import NUMBERS, RANGES, step, taken
 from harness.unit import clocks, settle, start
-
-from engine.fields import NUMBERS, RANGES, step, taken
 
 
 async def word(dut, at):
@@ -40,7 +39,8 @@ async def entries_begin_with_what_is_to_be_done(dut):
     bus_message, comm_error = NUMBERS["CPT_BUS_MESSAGE"], NUMBERS["CPT_COMM_ERROR"]
     assert await word(dut, entry(dut, "START")) == step("COUNT", COUNTER=bus_message)
     assert await word(dut, entry(dut, "FOREIGN")) == step("COUNT", COUNTER=bus_message)
-    assert await word(dut, entry(dut, "BAD")) == step("COUNT", COUNTER=NUMBERS["CPT_OVERRUN"], WHEN=NUMBERS["WHEN_LONG"])
+    overrun = step("COUNT", COUNTER=NUMBERS["CPT_OVERRUN"], WHEN=NUMBERS["WHEN_LONG"])
+    assert await word(dut, entry(dut, "BAD")) == overrun
     assert await word(dut, entry(dut, "BAD") + 2) == step("COUNT", COUNTER=comm_error)
     assert await word(dut, entry(dut, "CLEARING")) == step("COUNT", COUNTER=NUMBERS["CPT_EVENT"], CLEAR=1)
     first = await word(dut, entry(dut, "EXCEPTION"))

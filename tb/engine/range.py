@@ -3,10 +3,9 @@
 """The range: fields, limits and last address to the item, byte counts, files."""
 
 import cocotb
+from harness.steps import NUMBERS, argument, do
 from harness.unit import clocks, settle, start
 from protocol.defs import Space
-
-from engine.fields import NUMBERS, argument, do
 
 ROOM = 2048  # a limit is given as ROOM - limit
 LIMITS = (1, 31, 125, 1968, 2000)
@@ -113,8 +112,10 @@ async def byte_count_of_the_quantity(dut, space):
 @cocotb.test()
 async def records_end_at_270f(dut):
     await start(dut)
-    for first, quantity in ((0, 10000), (1, 10000), (LAST_RECORD, 1), (LAST_RECORD, 2), (LAST_RECORD + 1, 1), (9000, 999),
-                            (9000, 1001), (0x4000, 1), (0x8000, 1), (0xFFFF, 1), (0xFFFF, 2)):  # fmt: skip
+    for first, quantity in (
+        (0, 10000), (1, 10000), (LAST_RECORD, 1), (LAST_RECORD, 2), (LAST_RECORD + 1, 1), (9000, 999), (9000, 1001),
+        (0x4000, 1), (0x8000, 1), (0xFFFF, 1), (0xFFFF, 2),
+    ):  # fmt: skip
         last = first + quantity - 1
         await range_of(dut, first, quantity, Space.FILES)
         assert int(dut.past_end_o.value) == (last > LAST_RECORD), f"record {first} + {quantity}"

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""The sequencer alone, with programs of a few steps: which commands each step gives, in which clocks, and how it ends."""
+"""The sequencer alone, with programs of a few steps: which commands each step gives, and how it ends."""
 
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
+from harness.steps import NUMBERS, field, step
 from harness.unit import clocks, settle, start
-
-from engine.fields import NUMBERS, field, step
 
 ILLEGAL_FUNCTION, ILLEGAL_ADDRESS, ILLEGAL_VALUE, FAILURE, BUSY = 1, 2, 3, 4, 6
 START_AT, EXCEPTION_AT, CLEARING_AT = 0x20, 0x100, 0x1F0

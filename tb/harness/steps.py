@@ -5,7 +5,7 @@
 import re
 from pathlib import Path
 
-from harness.runner import TREE
+from .runner import TREE
 
 HEADERS = ("rtl/engine/modbus_steps.vh", "rtl/include/modbus_defs.vh")
 DEFINE = re.compile(r"^`define\s+MB_(\w+)\s+([^/\n]+?)\s*(?://.*)?$", re.M)
