@@ -233,8 +233,18 @@ SUITES = {
     "pdm_meter_registers": (PDM, PDM_REGISTERS, "pdm_meter", "printed|random|other|record"),
     "pdm_meter_wide": (PDM, PDM_WIDE, "pdm_meter", "inputs|relays|settings|reset"),
 }
-# Verilator takes some ten seconds for each build, so it runs a selection.
-ON_VERILATOR = ("line_faults", "speed", "options", "core_bus")
+# Verilator takes some ten seconds for each build, of which these need three.
+ON_VERILATOR = (
+    "line_faults",
+    "speed",
+    "options",
+    "diagnostics_counters",
+    "diagnostics_modes",
+    "line_faults_floors",
+    "speed_floors",
+    "options_timeout",
+    "core_bus",
+)
 # Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
 # suite: regular expression of the tests, or None for all; Icarus then plays none of them unless FULL=1
 ON_COMPILED = {
@@ -246,6 +256,7 @@ ON_COMPILED = {
     "files": None,
     "fifo": None,
     "host_inputs": "changes_its_mind",
+    "timing": None,
 }
 # What Icarus leaves to Verilator, or to the same tests of another build, unless FULL=1.
 LEFT_TO_OTHERS = {
@@ -256,6 +267,12 @@ LEFT_TO_OTHERS = {
     "options_mapped": "tearing|any_time",
     "io_functions": "exceptions_come|write_quantity",
     "host_inputs": "changes_its_mind",
+    "line_faults_floors": "gap_at|right_after",
+    "speed_floors": "fmt=[13]",
+    "options_timeout": "alive_follows|delay=1000",
+    "diagnostics_counters": "exception_counts|failure_counts|broadcast_counts|counters_wrap|log_holds",
+    "diagnostics_modes": "sub_functions|restart_in_normal|right_restart|hears_counts",
+    "io": "every_output",
 }
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
