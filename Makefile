@@ -44,7 +44,7 @@ quick: $(call stamp,test) $(call stamp,lint)  ## under a minute, before a commit
 	@$(PY) tools/quick.py
 
 test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
-	@$(PY) tools/test.py $${T:+"$$T"}
+	@$(PY) tools/run_tests.py $${T:+"$$T"}
 
 nightly: $(call stamp,test) $(call stamp,lint) $(call stamp,formal)  ## everything, some 100 minutes; T=stage,... or NIGHTLY_SKIP=stage,...; report build/nightly.md
 	@$(PY) tools/nightly.py $${T:+"$$T"}

@@ -5,6 +5,7 @@
 That the tests of docs/conformance.md ran, and passed, is judged at the end of a run of everything: conftest.py.
 """
 
+import importlib
 import re
 
 import pytest
@@ -40,6 +41,17 @@ def test_every_rule_is_shown_on_the_rtl(document):
     suites = {*test_system.SUITES, *test_modules.MODULES, *ON_THE_RTL}
     alone = [f"line {row.line}: {row.rule}" for row in document if not any(suite in suites for suite, _ in row.tests)]
     assert not alone, "\n".join(alone)
+
+
+def test_what_icarus_leaves_runs_elsewhere():
+    """Each test that Icarus leaves out runs on another simulator, or on another build of the same topic."""
+    for suite in test_system.LEFT_TO_OTHERS:
+        _, _, topic, only = test_system.SUITES[suite]
+        generators = vars(importlib.import_module(f"system.{topic}")).values()
+        names = [t.fullname for g in generators if hasattr(g, "generate_tests") for t in g.generate_tests()]
+        played = [test_system.chosen(*run) or "" for run in test_system.RUNS if test_system.SUITES[run[1]][2] == topic]
+        missing = [n for n in names if re.search(only or "", n) and not any(re.search(p, n) for p in played)]
+        assert not missing, f"{suite}: nobody runs {missing}"
 
 
 def test_no_rule_stands_twice(document):

@@ -28,6 +28,13 @@ def test_proof_has_its_modules_and_properties(proof):
     assert formal.properties(proof), f"nothing in {proof.module} that {proof.method} checks"
 
 
+def test_every_include_file_is_there():
+    """What the files of a proof include is beside them."""
+    there = formal.sources()
+    wanted = {name for path in there.values() for name in re.findall(r'^ *`include "([^"]+)"', path.read_text(), re.M)}
+    assert wanted <= set(there), sorted(wanted - set(there))
+
+
 def test_every_module_with_properties_is_proven():
     proven = {name for proof in TABLE.proofs.values() for name in (proof.module, *proof.beside)}
     with_properties = {p.stem for name in all_files() if "`ifdef FORMAL" in (p := ROOT / name).read_text()}

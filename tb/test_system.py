@@ -233,18 +233,31 @@ SUITES = {
     "pdm_meter_registers": (PDM, PDM_REGISTERS, "pdm_meter", "printed|random|other|record"),
     "pdm_meter_wide": (PDM, PDM_WIDE, "pdm_meter", "inputs|relays|settings|reset"),
 }
-# Verilator takes some ten seconds for each build, so it runs a selection.
-ON_VERILATOR = ("line_faults", "speed", "options", "core_bus")
-# Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
-ON_COMPILED = (
-    "functions_mapped",
-    "functions_small",
-    "functions_whole",
-    "functions_limited",
-    "identity_above",
-    "files",
-    "fifo",
+# Verilator takes some ten seconds for each build, of which these need three.
+ON_VERILATOR = (
+    "line_faults",
+    "speed",
+    "options",
+    "diagnostics_counters",
+    "diagnostics_modes",
+    "line_faults_floors",
+    "speed_floors",
+    "options_timeout",
+    "core_bus",
 )
+# Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
+# suite: regular expression of the tests, or None for all; Icarus then plays none of them unless FULL=1
+ON_COMPILED = {
+    "functions_mapped": None,
+    "functions_small": None,
+    "functions_whole": None,
+    "functions_limited": None,
+    "identity_above": None,
+    "files": None,
+    "fifo": None,
+    "host_inputs": "changes_its_mind",
+    "timing": None,
+}
 # What Icarus leaves to Verilator, or to the same tests of another build, unless FULL=1.
 LEFT_TO_OTHERS = {
     "line_faults": "gap_at|spike_at|spike_before|long_frames|inside_a_long|character_across",
@@ -253,17 +266,26 @@ LEFT_TO_OTHERS = {
     "options": "tearing|any_time|lead_and_tail|alive_follows",
     "options_mapped": "tearing|any_time",
     "io_functions": "exceptions_come|write_quantity",
+    "host_inputs": "changes_its_mind",
+    "line_faults_floors": "gap_at|right_after",
+    "speed_floors": "fmt=[13]",
+    "options_timeout": "alive_follows|delay=1000",
+    "diagnostics_counters": "exception_counts|failure_counts|broadcast_counts|counters_wrap|log_holds",
+    "diagnostics_modes": "sub_functions|restart_in_normal|right_restart|hears_counts",
+    "io": "every_output",
 }
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
     *(("compiled", name) for name in ON_COMPILED),
-    *(("icarus", name) for name in SUITES if FULL or name not in ON_COMPILED),
+    *(("icarus", name) for name in SUITES if FULL or ON_COMPILED.get(name, "") is not None),
 ]
 
 
 def chosen(sim, suite):
     """Regular expression of a suite's tests on a simulator."""
     only = SUITES[suite][3] or ""
+    if sim == "compiled":
+        return ON_COMPILED[suite] or only or None
     if sim != "icarus" or FULL or suite not in LEFT_TO_OTHERS:
         return only or None
     return f"^(?!.*({LEFT_TO_OTHERS[suite]})).*({only.removeprefix('^')})"

@@ -6,6 +6,7 @@ import shutil
 
 import pytest
 from timing_doc import measure, waves
+from timing_doc.lab import Lab
 from timing_doc.update import DOCUMENT, PICTURES, digest
 
 UPDATE = "if the change is meant: .venv/bin/python tb/timing_doc/update.py, see docs/wave/README.md"
@@ -15,7 +16,7 @@ def test_figures_and_pictures_of_timing_doc():
     """One test, so that the three devices are compiled once."""
     if not shutil.which("verilator"):
         pytest.skip("verilator is not installed")
-    lab, stale = measure.Lab(), []
+    lab, stale = Lab(), []
     for name, text in waves.pictures(lab).items():
         source, picture = PICTURES / f"{name}.json", PICTURES / f"{name}.svg"
         if not source.exists() or source.read_text(encoding="utf-8") != text:

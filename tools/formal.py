@@ -27,7 +27,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
-from common import ROOT, all_files, bench_files, include_files
+from common import ROOT, all_files, include_files
 
 TABLE = ROOT / "tb/formal/proofs.txt"
 PROPERTIES = ROOT / "tb/formal"  # modules of properties, instantiated under `ifdef FORMAL
@@ -139,7 +139,7 @@ def _proof(row: str, sets: dict[str, list[str]], number: int) -> Proof:
 
 def sources() -> dict[str, Path]:
     """{file name: path} of everything that a proof may draw in; no two files share a name."""
-    names = [*all_files(), *bench_files(), *include_files()]
+    names = [*all_files(), *include_files()]
     paths = [ROOT / name for name in names]
     paths += [path for suffix in ("v", "vh") for path in sorted(PROPERTIES.glob(f"*.{suffix}"))]
     return {path.name: path for path in paths}

@@ -41,9 +41,9 @@ TIMEOUT_SECONDS = 900
 ROW = re.compile(r"^\| (\w+) \| `([\w.]+)` \| (?:`(\w+): ([^`]+)`(?: and \d+ more)?|random traffic|(.*)) \|$", re.M)
 HEAD = """# Deliberate mistakes
 
-`make mistakes UPDATE=1` writes this table. It plants each mistake of [`tools/mistakes/`](../tools/mistakes) in a copy of the RTL and runs
-a selection of the tests until one fails. The table names the suite and the test that failed first; others may notice the
-mistake too.
+`make mistakes UPDATE=1` writes this table. It plants each mistake of [`tools/mistakes/`](../tools/mistakes) in a copy
+of the RTL and runs a selection of the tests until one fails. The table names the suite and the test that failed first;
+others may notice the mistake too.
 
 | Mistake | In | Caught by |
 |---|---|---|
@@ -174,7 +174,8 @@ def compiled(count):
 def judged(name, touched, places, remembered=""):
     """(failed tests, or None for an accident; seconds) of the copy `name`."""
     folder = WORK / name
-    env = {**os.environ, "TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build"), "COCOTB_LOG_LEVEL": "ERROR"}
+    places_of = {"TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build")}
+    env = {**os.environ, **places_of, "COCOTB_LOG_LEVEL": "ERROR"}
     for variable in ("WAVES", "CASE", "FULL"):
         env.pop(variable, None)
     begun = time.monotonic()

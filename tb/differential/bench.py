@@ -33,6 +33,11 @@ AT_REST_BITS = 64  # after the last answer, in which nothing may come
 SETTINGS = {name for name, _ in Setup._fields_} - {"bit_time", "format"}
 
 
+def settings(inputs):
+    """The fields of Inputs that Device.setup takes by name."""
+    return {name: value for name, value in dataclasses.asdict(inputs).items() if name in SETTINGS}
+
+
 class Ports:
     """What the bench reads at ports of a simulation."""
 
@@ -61,8 +66,7 @@ class CompiledBench(Bench):
 
     def apply(self, **setup):
         self.setup = dataclasses.replace(self.setup, **setup)
-        inputs = {name: value for name, value in dataclasses.asdict(self.setup).items() if name in SETTINGS}
-        self.device.setup(self.setup.fmt, self.setup.bit_time, **inputs)
+        self.device.setup(self.setup.fmt, self.setup.bit_time, **settings(self.setup))
         self._settled(self.parameters)
 
     async def reset(self, clocks=RESET_CLOCKS):
@@ -89,6 +93,13 @@ class CompiledBench(Bench):
         start = seen.latency * CLOCK_PS
         end = start + len(seen.answer) * self.character * CLOCK_PS
         return Answer(seen.answer, start, end, start - seen.lead * CLOCK_PS, end + seen.tail * CLOCK_PS)
+
+    async def query_while(self, line, clock, **setup):
+        changed = dataclasses.replace(self.setup, **setup)
+        self.device.later(round(self.t35 / CLOCK_PS) + clock, changed.fmt, changed.bit_time, **settings(changed))
+        answer = await self.query(line)
+        self.apply(**setup)
+        return answer
 
     async def host(self, space, item, write=None):
         return self.device.host(space, item, write)

@@ -110,6 +110,11 @@ class Device:
         setup = Setup(bit_time=bit_time, format=fmt.code, **inputs)
         self._lib.device_setup(self._handle, ctypes.byref(setup))
 
+    def later(self, clocks, fmt, bit_time, **inputs):
+        """The run-time inputs as they shall be so many clocks after the end of the next line that is sent."""
+        setup = Setup(bit_time=bit_time, format=fmt.code, **inputs)
+        self._lib.device_later(self._handle, ctypes.c_uint32(clocks), ctypes.byref(setup))
+
     def reset(self):
         self._lib.device_reset(self._handle)
 

@@ -18,6 +18,11 @@ constexpr int kStrobes = 8;   // parity framing overrun crc short long gap good,
 constexpr int kMaxWrites = 40;     // a 15H request has up to 27 groups
 constexpr int kMaxAnswer = 300;
 
+struct Setup {
+  uint32_t address, bit_time, format, broadcast_en, gap_count_only, strict_turnaround, response_delay, stall_limit,
+      de_lead, de_tail, busy, write_lock, failure, exception_status, run_indicator, diagnostic;
+};
+
 struct Device {
   VerilatedContext context;
   Vmodel top{&context};
@@ -31,9 +36,36 @@ struct Device {
   uint8_t answer[kMaxAnswer];
   int count = 0;                       // of its bytes
 
+  // Inputs that change behind the end of a line, if later_clocks is not negative, and when
+  Setup later = {};
+  int64_t later_clocks = -1, change_at = -1;
+
   uint64_t now() const { return monitor.now(); }
 
+  void apply(const Setup &s) {
+    top.address_i = s.address;
+    top.bit_time_i = s.bit_time;
+    top.format_i = s.format;
+    top.broadcast_en_i = s.broadcast_en;
+    top.gap_count_only_i = s.gap_count_only;
+    top.strict_turnaround_i = s.strict_turnaround;
+    top.response_delay_i = s.response_delay;
+    top.stall_limit_i = s.stall_limit;
+    top.de_lead_i = s.de_lead;
+    top.de_tail_i = s.de_tail;
+    top.busy_i = s.busy;
+    top.write_lock_i = s.write_lock;
+    top.failure_i = s.failure;
+    top.exception_status_i = s.exception_status;
+    top.run_indicator_i = s.run_indicator;
+    top.diagnostic_i = s.diagnostic;
+    bit_time = s.bit_time;
+    format = CharacterFormat(s.format);
+    monitor.set(format, bit_time);
+  }
+
   void clock() {
+    if (int64_t(now()) == change_at) apply(later);
     cycle(top);
     const bool seen[kStrobes] = {bool(top.err_parity_o), bool(top.err_framing_o), bool(top.err_overrun_o),
                                  bool(top.err_crc_o), bool(top.err_short_o), bool(top.err_long_o),
@@ -87,11 +119,6 @@ struct Device {
 
 extern "C" {
 
-struct Setup {
-  uint32_t address, bit_time, format, broadcast_en, gap_count_only, strict_turnaround, response_delay, stall_limit,
-      de_lead, de_tail, busy, write_lock, failure, exception_status, run_indicator, diagnostic;
-};
-
 struct Outcome {
   int32_t answer_bytes;          // < 0: a LineFault
   uint32_t strobes[kStrobes];
@@ -111,26 +138,14 @@ void device_free(void *h) { delete static_cast<Device *>(h); }
 
 void device_setup(void *h, const Setup *s) {
   auto *d = static_cast<Device *>(h);
-  auto &t = d->top;
-  t.address_i = s->address;
-  t.bit_time_i = s->bit_time;
-  t.format_i = s->format;
-  t.broadcast_en_i = s->broadcast_en;
-  t.gap_count_only_i = s->gap_count_only;
-  t.strict_turnaround_i = s->strict_turnaround;
-  t.response_delay_i = s->response_delay;
-  t.stall_limit_i = s->stall_limit;
-  t.de_lead_i = s->de_lead;
-  t.de_tail_i = s->de_tail;
-  t.busy_i = s->busy;
-  t.write_lock_i = s->write_lock;
-  t.failure_i = s->failure;
-  t.exception_status_i = s->exception_status;
-  t.run_indicator_i = s->run_indicator;
-  t.diagnostic_i = s->diagnostic;
-  d->bit_time = s->bit_time;
-  d->format = CharacterFormat(s->format);
-  d->monitor.set(d->format, d->bit_time);
+  d->apply(*s);
+}
+
+// The inputs as they shall be `clocks` behind the end of the next line that device_xfer sends.
+void device_later(void *h, uint32_t clocks, const Setup *s) {
+  auto *d = static_cast<Device *>(h);
+  d->later = *s;
+  d->later_clocks = int64_t(clocks);
 }
 
 void device_idle(void *h, uint32_t clocks) {
@@ -189,6 +204,8 @@ void device_xfer(void *h, int n, const uint8_t *bytes, const uint32_t *gaps, con
   }
   d->top.rxd_i = 1;
   const uint64_t end = d->now();
+  if (d->later_clocks >= 0) d->change_at = int64_t(end) + d->later_clocks;
+  d->later_clocks = -1;
   while (!m.ended() && (m.enabled() || d->now() < end + patience)) d->clock();
   out->answer_bytes = m.fault() != LineFault::kNone ? int(m.fault()) : m.ended() ? d->count : 0;
   out->latency = int64_t(m.begin()) - int64_t(end);

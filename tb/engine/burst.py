@@ -93,9 +93,7 @@ class Tb:
 
 def packed(bits):
     """Bits as the standard packs them."""
-    return [
-        sum(bit << place for place, bit in enumerate(bits[at : at + 8])) for at in range(0, len(bits), 8)
-    ]
+    return [sum(bit << place for place, bit in enumerate(bits[at : at + 8])) for at in range(0, len(bits), 8)]
 
 
 async def bench(dut, **how):

@@ -211,6 +211,17 @@ class Bench(HostPort, Readout):
             patience = PATIENCE_CLOCKS * CLOCK_PS + self.setup.response_delay * self.bit
         return await self.line.answer(self.t35 + patience)
 
+    async def query_while(self, line, clock, **setup):
+        """`query`, with run-time inputs that change so many clocks after t3.5 has passed behind `line`."""
+
+        async def change():
+            await Timer(round(self.t35) + clock * CLOCK_PS, "ps")
+            self.apply(**setup)
+
+        self.sent = await self.line.send(line)
+        cocotb.start_soon(change())
+        return await self.line.answer(self.t35 + PATIENCE_CLOCKS * CLOCK_PS)
+
     async def send(self, line, **how):
         """Send `line` and stay in step: the caller tells the model what is heard of it. The end's time in ps."""
         self._playing_both = True

@@ -26,24 +26,16 @@ async def a_host_that_changes_its_mind(dut, name, on):
     await tb.preset((Space.INPUTS, 0), 0x1234)
     executed = frames.adu(OWN, bytes([FC.READ_INPUTS, 2, 0x12, 0x34]))
     active, seen = {"busy": 1, "failure": int(EX.PARITY)}[name], []
-    port = {"busy": dut.busy_i, "failure": dut.failure_i}[name]
-
-    async def change(after):
-        await Timer(round(tb.t35) + after * CLOCK_PS, "ps")
-        port.value = active * on
-
     for clock in range(-6, WORK_CLOCKS):
-        port.value = active * (1 - on)
-        await tb.line.send(READ)
-        cocotb.start_soon(change(clock))
-        answer = await tb.line.answer(tb.t35 + 20_000 * CLOCK_PS)
+        tb.apply(**{name: active * (1 - on)})
+        answer = await tb.query_while(READ, clock, **{name: active * on})
         assert answer is not None, f"clock {clock}: silence"
         seen.append(answer.data)
         assert answer.data in (executed, REFUSED[name]), f"clock {clock}: {text(answer.data)}"
         await tb.silence()
     assert {seen[0], seen[-1]} == {executed, REFUSED[name]}, "the change was never seen"
-    port.value = 0
-    await Timer(10 * CLOCK_PS, "ps")
+    tb.apply(**{name: 0})
+    await tb.clocks(10)
 
 
 @cocotb.test()

@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tb"))
 
 from timing_doc import measure, waves  # noqa: E402
+from timing_doc.lab import Lab  # noqa: E402
 
 DOCUMENT = ROOT / "docs" / "timing.md"
 PICTURES = ROOT / "docs" / "wave"
@@ -51,7 +52,7 @@ def digest(text):
 def main():
     if sys.argv[1:] not in ([], ["--render"]):
         sys.exit(__doc__)
-    lab = measure.Lab()
+    lab = Lab()
     for name, text in waves.pictures(lab).items():
         (PICTURES / f"{name}.json").write_text(text, encoding="utf-8")
     if "--render" in sys.argv:

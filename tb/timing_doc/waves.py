@@ -8,7 +8,9 @@ from protocol import frames
 from protocol.defs import FC, Space, bus_address
 
 from .device import OWN, mask
-from .measure import Lab, fill_holdings, to_grant
+from .lab import Lab
+from .ports import to_grant
+from .transmission import fill_holdings
 
 LONGEST = 5  # clocks in which nothing changes before a picture is cut
 

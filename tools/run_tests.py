@@ -3,7 +3,7 @@
 # Copyright (c) 2026 the project contributors
 """`make test`: looks at the variables, then becomes pytest.
 
-    test.py [EXPRESSION | FILE | FOLDER]    what pytest's -k takes, or a path; everything when absent
+    run_tests.py [EXPRESSION | FILE | FOLDER]    what pytest's -k takes, or a path; everything when absent
 
 SEED, FULL, COUNT, CASE, TIMES and WAVES come from the environment: tb/README.md.  A bad value gives one line and exit
 status 2.

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Deliberate mistakes in the register banks."""
+
+from .kinds import Mistake
+
+MISTAKES = [
+    Mistake("table_one_item_too_long", "modbus_bank_guard.v", "(last_i <= high)", "(last_i <= high + 16'd1)"),
+    Mistake("first_address_not_compared", "modbus_bank_guard.v", "(first_i >= low) & ", ""),
+    Mistake(
+        "read_only_range_open_at_its_end", "modbus_bank_guard.v", "first > RO_LAST[15:0];", "first >= RO_LAST[15:0];"
+    ),
+    Mistake(
+        "host_breaks_into_a_burst",
+        "modbus_bank_ram.v",
+        "host_cyc_i & (host_q | ~wb_cyc_i) & ~lend",
+        "host_cyc_i & ~lend",
+    ),
+    Mistake(
+        "refusal_waits_for_the_host", "modbus_bank_ram.v", "wire        lend = host_q &", "wire        lend = 1'b0 &"
+    ),
+    Mistake("grant_does_not_wait_for_the_host", "modbus_bank_ram.v", ".wait_i(lent_q)", ".wait_i(1'b0)"),
+    Mistake("host_loses_its_block_to_a_question", "modbus_bank_ram.v", "(ack | ~host_stb_i)", "(ready_q | host_stb_i)"),
+    Mistake("file_0_is_there", "modbus_bank_guard.v", " & (few != {FW{1'b0}})", ""),
+    Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
+    Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & refused_q)", "refused_q"),
+    Mistake("map_forgets_an_option", "modbus_host_map.v", "<= host_dat_i[3:0];", "<= {1'b0, host_dat_i[2:0]};"),
+    Mistake("map_takes_any_write", "modbus_host_map.v", "(HOST_SETTINGS != 0) & settings_exist &", "settings_exist &"),
+    Mistake("map_counter_that_is_not_there", "modbus_host_map.v", "number <= 7'h12", "number <= 7'h13"),
+    Mistake("map_lets_the_memory_go", "modbus_host_map.v", "bank_cyc_o = host_cyc_i;", "bank_cyc_o = bank_stb_o;"),
+    Mistake("map_left_out_is_there", "modbus_host_map.v", "(HOST_MAP != 0) & (host_adr_i", "(host_adr_i"),
+]

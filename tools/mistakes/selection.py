@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""What is tried against a mistake, and in which order."""
+
+# What is tried, in this order; the quickest that notices most comes first:
+# (suite of test_modules.py, test_system.py or test_buses.py, regular expression of its cocotb tests), or the compiled
+# slave and how many requests of random traffic it gets. A module alone is left out when the mistake is in none of its
+# files.
+COMPILED = "random traffic"
+MODULES_ALONE = {
+    "crc16": ("modbus_crc16.v",),
+    "bit_clock": ("modbus_bit_clock.v",),
+    "uart_sending": ("modbus_uart.v", "modbus_crc16.v"),
+    "line_timer_characters": ("modbus_line_timer.v",),
+    "line_waits": ("modbus_line_timer.v",),
+    "frame_rx": ("modbus_frame_rx.v",),
+    "frame_tx": ("modbus_frame_tx.v",),
+    "line": ("modbus_line.v", "modbus_frame_rx.v", "modbus_frame_tx.v", "modbus_line_timer.v", "modbus_uart.v"),
+    "bank_guard": ("modbus_bank_guard.v",),
+    "sequencer": ("modbus_sequencer.v",),
+    "range": ("modbus_range.v",),
+    "burst": ("modbus_burst.v",),
+    "frame_ram": ("modbus_frame_ram.v",),
+    "diagnostics": ("modbus_diagnostics.v",),
+}
+# Suites of test_buses.py, and the files that they alone are about.
+BUSES = {
+    "axil_master": ("modbus_axil_master.v",),
+    "axil_slave": ("modbus_axil_slave.v",),
+    "soc_axil": ("modbus_axil_master.v", "modbus_example_soc_axil.v"),
+    "host_map_wishbone": ("modbus_host_map.v",),
+    "host_map_reads_only": ("modbus_host_map.v",),
+    "host_map_left_out": ("modbus_host_map.v",),
+    "soc_wishbone": ("modbus_example_soc_wb.v",),
+}
+SELECTION = [
+    *((suite, None) for suite in MODULES_ALONE),
+    ("power_up", None),
+    (COMPILED, 2000),
+    ("functions_mapped", "single_coil|byte_count|length_is_exact|unsupp|mask|broadcast|lock|read_only|order|share"),
+    ("functions_mapped", "address_limits|align|read_write|limits.*code=(3|15|16)"),
+    (
+        "line_faults",
+        "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
+        "|own_|breaks|right_after|during|after_reset",
+    ),
+    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory"),
+    ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
+    ("speed", "case=(0|16|24)$|to_the_bit"),
+    ("identity_01", None),
+    ("identity_82", None),
+    ("identity_small", None),
+    ("fifo", None),
+    ("user_port", None),
+    ("core_files", "waits$|wait=0|refused|error|stall|longest|busy"),
+    ("diagnostics_counters", None),
+    ("diagnostics_modes", None),
+    ("files", None),
+    *((suite, None) for suite in BUSES),
+]
