@@ -422,7 +422,7 @@ MISTAKES = [
     Mistake(
         "exception_status_not_given",
         "modbus_engine.v",
-        "chosen = host_state_i[`MB_HOST_EXCEPTION_STATUS];",
+        "chosen = exception_status;",
         "chosen = 8'h00;",
     ),
     Mistake(
