@@ -662,7 +662,12 @@ MISTAKES = [
         "if (!moving_i) {past_ffff_q, last_q}",
         "{past_ffff_q, last_q}",
     ),
-    Mistake("bit_byte_count_rounded_down", "modbus_range.v", "quantity_less_one_q[10:3];", "{quantity_less_one_q[10:3] - 8'd1} ;"),
+    Mistake(
+        "bit_byte_count_rounded_down",
+        "modbus_range.v",
+        "quantity_less_one_q[10:3];",
+        "{quantity_less_one_q[10:3] - 8'd1};",
+    ),
     Mistake(
         "single_item_is_two",
         "modbus_range.v",

@@ -56,7 +56,7 @@ set parameters(modbus_rtu_slave) {
   SERVER_ID             {}   {}         "Function code 11: identifier, right-justified"
   SERVER_ID_BYTES       1    16         "How many bytes of SERVER_ID are sent"
   ADDITIONAL_DATA       {}   {}         "Function code 11: what follows the run indicator, right-justified"
-  ADDITIONAL_DATA_BYTES 0    234        "How many bytes of ADDITIONAL_DATA are sent"
+  ADDITIONAL_DATA_BYTES 0    249        "How many bytes of ADDITIONAL_DATA are sent"
   VENDOR_NAME           {}   {}         "Function code 2B/0E: object 00"
   PRODUCT_CODE          {}   {}         "Function code 2B/0E: object 01"
   REVISION              {}   {}         "Function code 2B/0E: object 02"
