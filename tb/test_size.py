@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-TOOLS = Path(__file__).resolve().parent / "tools"
+TOOLS = Path(__file__).resolve().parents[1] / "tools"
 sys.path.insert(0, str(TOOLS))
 
 import synth  # noqa: E402
@@ -249,7 +249,7 @@ def test_cells_are_counted(family, kinds, expected):
 # --- the wrapper ----------------------------------------------------------------------------------
 
 PORTS = {"clk_i": ("input", 1), "rxd_i": ("input", 1), "busy_i": ("input", 1), "data_i": ("input", 16),
-         "data_o": ("output", 16), "counter_dat_o": ("output", 16)}  # fmt: skip
+         "data_o": ("output", 16), "status_dat_o": ("output", 16)}  # fmt: skip
 
 
 def test_wrapper_ties_and_shifts():
@@ -257,7 +257,7 @@ def test_wrapper_ties_and_shifts():
     design = synth_flow.Design("some_module", {"WIDTH": "16"}, {"busy_i": 1}, left_open=True)
     text, shifted = synth_flow.wrapper(design, PORTS, shift=True)
     assert shifted == 16 and "reg [15:0] shift_q;" in text
-    assert ".busy_i(1'd1)" in text and ".data_i(shift_q[0 +: 16])" in text and ".counter_dat_o()" in text
+    assert ".busy_i(1'd1)" in text and ".data_i(shift_q[0 +: 16])" in text and ".status_dat_o()" in text
     text, shifted = synth_flow.wrapper(design, PORTS, shift=False)
     assert shifted == 0 and "shift" not in text and "input wire [15:0] data_i" in text
     with pytest.raises(synth_flow.ToolError, match="some_module has no port buzy_i"):

@@ -10,8 +10,8 @@
 //
 // The bus is Wishbone B4, classic cycles, 16 bits of data.  A bit uses data bit 0; the other data bits of a bit write
 // mean nothing.  wb_err_i ends the burst with the bank's exception code (0 stands for 04).  A range past its end is
-// refused with 02 without a question.  A grant question or a beat that is not answered when stall_i rises is withdrawn
-// and ends with 06 or 04.
+// refused with 02 without a question.  A grant question or a beat that is not answered when stall_i rises is
+// withdrawn and ends with 06 or 04.
 //
 // Spaces above MB_SPACE_FILES are memories inside the core, without grant and bus: words of counters, bytes of the event
 // log and of texts, each there a clock after its address.  A dry burst passes over the data of the frame alone.

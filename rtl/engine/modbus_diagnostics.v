@@ -56,21 +56,21 @@ module modbus_diagnostics (
   integer i;
   initial for (i = 0; i < 128; i = i + 1) memory[i] = 16'd0;
 
-  wire       count = do_i[`MB_DO_COUNT];
-  wire       log   = do_i[`MB_DO_LOG];
+  wire       counting = do_i[`MB_DO_COUNT];
+  wire       logging  = do_i[`MB_DO_LOG];
   wire       now   = do_i[`MB_DO_NOW];
   wire [4:0] which = argument_i[`MB_ARG_COUNTER];
   wire       clear = argument_i[`MB_ARG_CLEAR];
-  wire       ours  = count | log;
+  wire       ours   = counting | logging;
   wire       host  = ~ours & ~read_i;
   wire       of_log = read_i ? read_log_i : status_adr_i[6];
   wire [5:0] wanted = read_i ? read_at_i  : status_adr_i[5:0];
-  wire [5:0] entry  = newest_q + (log ? 6'h3F : wanted);     // a new one comes before the newest
-  wire [6:0] at     = log ? {1'b1, entry} : count ? {2'd0, which} : of_log ? {1'b1, entry} : {1'b0, wanted};
-  wire       logs   = log & now;
-  wire       write  = logs | (count & now & do_i[`MB_DO_APPLIES]);
+  wire [5:0] entry  = newest_q + (logging ? 6'h3F : wanted);     // a new one comes before the newest
+  wire [6:0] at     = logging ? {1'b1, entry} : counting ? {2'd0, which} : of_log ? {1'b1, entry} : {1'b0, wanted};
+  wire       logs   = logging & now;
+  wire       write  = logs | (counting & now & do_i[`MB_DO_APPLIES]);
   // Event, 0, or one more: the sum means nothing in the first two cases; written so, it takes one cell a bit.
-  wire        fresh = log | clear;
+  wire        fresh = logging | clear;
   wire [15:0] next  = word_q + {{15{fresh}}, 1'b1};
 
   always @(posedge clk_i) begin

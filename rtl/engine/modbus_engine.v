@@ -105,12 +105,13 @@ module modbus_engine #(
   // What PUT can take beside the held byte; what is not built in gives the count.
   wire [7:0] busy_byte = {8{host_state_i[`MB_HOST_BUSY]}};
   wire [7:0] run_byte  = {8{host_state_i[`MB_HOST_RUN]}};
+  wire [7:0] exception_status = host_state_i[`MB_HOST_EXCEPTION_STATUS];
   reg  [7:0] chosen;
   always @* begin
     chosen = count[7:0];
     case (argument[`MB_ARG_WHICH])
       `MB_STATUS_CODE:      chosen = {4'd0, code};
-      `MB_STATUS_EXCEPTION: if (FUNCTION_CODES[`MB_FC_READ_EXCEPTION_STATUS]) chosen = host_state_i[`MB_HOST_EXCEPTION_STATUS];
+      `MB_STATUS_EXCEPTION: if (FUNCTION_CODES[`MB_FC_READ_EXCEPTION_STATUS]) chosen = exception_status;
       `MB_STATUS_BUSY:      if (HAS_DIAGNOSTICS != 0) chosen = busy_byte;
       `MB_STATUS_RUN:       if (FUNCTION_CODES[`MB_FC_REPORT_SERVER_ID]) chosen = run_byte;
       `MB_STATUS_LENGTH:    if (FUNCTION_CODES[`MB_FC_READ_FILE_RECORD]) chosen = length;

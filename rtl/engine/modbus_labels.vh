@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_labels - the labels of the listing, each once; part of modbus_program.  A place in the listing that is jumped to
-// or run into has a label: a routine, a table, or a line inside a routine.
+// modbus_labels - the labels of the listing, each once; part of modbus_program.  A place in the listing that is jumped
+// to or run into has a label: a routine, a table, or a line inside a routine.
 
 // modbus_routines_tables
 `NAME(SUB_TABLE) `NAME(FUNCTION_TABLE)

@@ -41,12 +41,12 @@ module modbus_range #(
 );
 
   reg [15:0] first_q;
-  reg [15:0] less_one_q;             // quantity - 1: what the last address and the byte count need
+  reg [15:0] quantity_less_one_q;             // quantity - 1: what the last address and the byte count need
   reg [15:0] last_q;
   reg        past_ffff_q, in_limit_q, fit_q;
 
   wire words = (HAS_BITS == 0) || (HAS_WORDS != 0 && space_i[2:1] != 2'b00);
-  wire [7:0] bytes_less_one = words ? {less_one_q[6:0], 1'b1} : less_one_q[10:3];
+  wire [7:0] bytes_less_one = words ? {quantity_less_one_q[6:0], 1'b1} : quantity_less_one_q[10:3];
 
   wire        set_first = (HAS_LITERALS != 0) & do_i[`MB_DO_FIRST];
   wire        set_less  = (HAS_LITERALS != 0) & do_i[`MB_DO_LESS];
@@ -62,19 +62,19 @@ module modbus_range #(
   // verilator lint_off UNUSED
   wire [10:0] excess;
   // verilator lint_on UNUSED
-  assign {above_limit, excess} = {1'b0, less_one_q[10:0]} + {1'b0, argument_i[`MB_ARG_ROOM]};
+  assign {above_limit, excess} = {1'b0, quantity_less_one_q[10:0]} + {1'b0, argument_i[`MB_ARG_ROOM]};
 
   always @(posedge clk_i) begin
     if (set_address || next_i) first_q <= set_address ? field : next_first;
     if (set_first)             first_q[15:8] <= 8'd0;
 
-    if (do_i[`MB_DO_QUANTITY] || as_it_is)  less_one_q <= field + {16{~as_it_is}};
-    if (set_less)                           less_one_q[15:8] <= 8'd0;
-    if (do_i[`MB_DO_ONE] || set_first)      less_one_q <= 16'd0;
+    if (do_i[`MB_DO_QUANTITY] || as_it_is)  quantity_less_one_q <= field + {16{~as_it_is}};
+    if (set_less)                           quantity_less_one_q[15:8] <= 8'd0;
+    if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd0;
 
-    if (!moving_i) {past_ffff_q, last_q} <= {1'b0, first_q} + {1'b0, less_one_q};
+    if (!moving_i) {past_ffff_q, last_q} <= {1'b0, first_q} + {1'b0, quantity_less_one_q};
 
-    in_limit_q <= (less_one_q[15:11] == 5'd0) & ~above_limit;
+    in_limit_q <= (quantity_less_one_q[15:11] == 5'd0) & ~above_limit;
     fit_q      <= (count_i == {1'b0, bytes_less_one});
   end
 
@@ -86,7 +86,7 @@ module modbus_range #(
       reg [15:0] file_q = 16'd0;
       reg        past_record_q;
       reg [7:0]  words_q;
-      wire [6:0] quantity = less_one_q[6:0] + 7'd1;
+      wire [6:0] quantity = quantity_less_one_q[6:0] + 7'd1;
       wire [7:0] total;
       wire       unused;
       assign {total, unused} = {words_q, 1'b1} + {1'b0, quantity, 1'b1};
@@ -126,7 +126,7 @@ module modbus_range #(
 
   always @(posedge clk_i) begin
     f_past    <= 1'b1;
-    f_last    <= {1'b0, first_q} + {1'b0, less_one_q};
+    f_last    <= {1'b0, first_q} + {1'b0, quantity_less_one_q};
     f_settled <= f_change | moving_i ? 2'd0 : (f_settled == 2'd2) ? 2'd2 : f_settled + 2'd1;
   end
 
@@ -142,7 +142,8 @@ module modbus_range #(
       assert (past_end_o == (f_last[16] || (space_i == `MB_SPACE_FILES && f_last > 17'h0270F)));
     // The limit is exact: quantity - 1 below the highest quantity, which ROOM names.
     if ($past(f_settled) != 2'd0 && $past(argument_i[10:0]) != 11'd0)
-      assert (found_o[`MB_FOUND_IN_LIMIT] == ($past({1'b0, less_one_q}) < 17'd2048 - {6'd0, $past(argument_i[10:0])}));
+      assert (found_o[`MB_FOUND_IN_LIMIT] ==
+              ($past({1'b0, quantity_less_one_q}) < 17'd2048 - {6'd0, $past(argument_i[10:0])}));
     if ($past(moving_i)) assert ($stable(last_q) && $stable(past_ffff_q));
     if ($past(!set_address && !next_i)) assert ($stable(first_q));
     if ($past(next_i && !set_address))  assert (first_q == $past(first_q) + 16'd1);

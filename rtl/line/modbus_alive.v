@@ -4,7 +4,9 @@
 // modbus_alive - tells whether a master talks to us: for outputs that must fall to a safe state when it does not.
 //
 // alive_o rises with a good frame for us (broadcast included) and falls TIMEOUT_MS after the last one, up to
-// 1 ms earlier (a millisecond is rounded up to whole clocks).  With TIMEOUT_MS = 0 it stays high from the first frame on and the timer costs nothing.
+// 1 ms earlier (a millisecond is rounded up to whole clocks).  The request need not succeed: one that is answered with
+// an exception, or not at all in listen-only mode, counts too.  With TIMEOUT_MS = 0 alive_o stays high from the first
+// frame on and the timer costs nothing.
 
 `default_nettype none
 

@@ -142,6 +142,7 @@ module modbus_frame_tx (
     if (state_q == ST_CHECK_LOW) assert (f_checks == 2'd0);
     if (state_q == ST_DELAY || state_q == ST_LEAD) assert (f_bytes == 10'd0 && f_checks == 2'd0 && !f_passes);
     if (next_q) assert ($past(f_take && !check_o));
+    if (state_q != ST_REST) assert (f_count >= 10'd1 && f_count <= 10'd256 && f_bytes <= f_count);
     // The driver goes off behind the tail alone, or at a reset; a dropped answer never turned it on.
     if ($past(de_o) && !de_o) assert ($past(sent_stb_o));
     if (dropped_stb_o) assert (!de_o);

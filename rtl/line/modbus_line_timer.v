@@ -92,6 +92,7 @@ module modbus_line_timer #(
 
   generate
     if (T35_CLOCKS == 0) begin : gen_no_floor
+      wire unused_rest = rest;
       assign t15_floor = 1'b1;
       assign t35_floor = 1'b1;
     end else begin : gen_floor

@@ -3,6 +3,7 @@
 """Every counter's rule and every byte of the event log, step by step."""
 
 import cocotb
+from cocotb.triggers import Timer
 from harness.lines import with_error, with_gap
 from harness.readout import LAST_ACTION_CLOCKS
 from protocol import frames
@@ -259,6 +260,7 @@ async def overrun_flag_and_its_clearing(dut):
     assert await register() == 0x8000
     # a flag of the host must be set by one clock
     for bit in (1, 7, 14):
+        await Timer(1, "ns")  # past the clock edge, so that the level lasts over the next one
         tb.apply(diagnostic=1 << bit)
         await tb.clocks(1)
         tb.apply(diagnostic=0)

@@ -29,14 +29,22 @@ async def powered_up(dut):
     return tb
 
 
+def watch(tb):
+    """Count the strobes that the frames here may give."""
+    for name in ("err_crc", "err_gap", "err_short", "frame_stb"):
+        cocotb.start_soon(tb._count(name))
+    cocotb.start_soon(tb._watch_writes())
+
+
 @cocotb.test()
-@cocotb.parametrize(pdu=["05", "1500"])
-async def first_frame_is_short(dut, pdu):
+@cocotb.parametrize(code=[FC.WRITE_COIL.value, FC.WRITE_FILE.value])
+async def first_frame_is_short(dut, code):
     """A request that ends before its fields, as the first frame: exception 03, and the next request is answered."""
     tb = await powered_up(dut)
     Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
+    watch(tb)
     await tb.silence()
-    assert await tb.both(frames.adu(OWN, bytes.fromhex(pdu)))
+    assert await tb.both(frames.adu(OWN, {FC.WRITE_COIL: b"\x05", FC.WRITE_FILE: b"\x15\x00"}[code]))
     assert await tb.both(frames.adu(OWN, frames.read(FC.READ_HOLDINGS, tb.slave.config.tables[Space.HOLDINGS][0], 1)))
 
 
@@ -54,9 +62,7 @@ async def works_without_a_reset(dut):
 
     await idle("before the first clock")
     Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
-    for name in ("err_crc", "err_gap", "err_short", "frame_stb"):
-        cocotb.start_soon(tb._count(name))
-    cocotb.start_soon(tb._watch_writes())
+    watch(tb)
     await tb.clocks(EARLY_CLOCKS)
     await idle("after some clocks")
     holdings = tb.slave.config.tables[Space.HOLDINGS][0]

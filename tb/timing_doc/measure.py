@@ -5,12 +5,12 @@
 import re
 
 from .ports import bus, host, transaction
-from .receiver import looks, mismatch, spikes
+from .receiver import looks, mismatch, spikes, spikes_and_mismatch
 from .silence import silences
 from .starts import answer_starts
 from .transmission import driver, transmission
 
-SECTIONS = (answer_starts, driver, transmission, looks, mismatch, spikes, silences, transaction, bus, host)
+SECTIONS = (answer_starts, driver, transmission, looks, mismatch, spikes, spikes_and_mismatch, silences, transaction, bus, host)
 
 
 def everything(lab, clock=None):

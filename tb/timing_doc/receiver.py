@@ -105,3 +105,24 @@ def spikes(lab):
             widest = width
         rows.append([bit_time, len(places), widest, f"{widest / bit_time:.3f}"])
     return {"spikes": table(["clocks per bit", "places tried", "widest harmless spike, clocks", "in bit times"], rows)}
+
+
+def spikes_and_mismatch(lab):
+    """Table `spiked`: the widest spike that changed nothing while the sender's rate is off as well."""
+    device, rows = lab(), []
+    offsets = (0.02, 0.01, 0, -0.01, -0.02)
+    for bit_time, step in ((8, 1), (FEW, 1), (32, 3), (100, 7)):
+        device.setup(bit_time)
+        places = range(2, 46 * bit_time, step)
+        found = []
+        for offset in offsets:
+            width = bit_time // 4
+            while width and not all(
+                quick(device, SHORT, phase=1 + bit_time, offset=offset, spikes=[(at - bit_time, width)])
+                for at in places
+            ):
+                width -= 1
+            found.append(f"{width} ({width / bit_time:.2f})" if width else "none")
+        rows.append([bit_time, *found])
+    head = [f"sender {abs(o):.0%} {'slower' if o > 0 else 'faster'}" if o else "exact rate" for o in offsets]
+    return {"spiked": table(["clocks per bit", *head], rows)}

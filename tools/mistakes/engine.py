@@ -24,7 +24,7 @@ MISTAKES = [
         "{1'b0, argument_i[`MB_ARG_ROOM]};",
         "{1'b0, argument_i[`MB_ARG_ROOM]} + 12'd1;",
     ),
-    Mistake("quantity_seen_through_eleven_bits", "modbus_range.v", "(less_one_q[15:11] == 5'd0) & ", ""),
+    Mistake("quantity_seen_through_eleven_bits", "modbus_range.v", "(quantity_less_one_q[15:11] == 5'd0) & ", ""),
     Mistake(
         "any_coil_value_means_on",
         "modbus_sequencer.v",
@@ -160,7 +160,7 @@ MISTAKES = [
         "wire       host  = 1'b1;",
     ),
     # the event log
-    Mistake("log_order_reversed", "modbus_diagnostics.v", "(log ? 6'h3F : wanted)", "(log ? 6'h01 : wanted)"),
+    Mistake("log_order_reversed", "modbus_diagnostics.v", "(logging ? 6'h3F : wanted)", "(logging ? 6'h01 : wanted)"),
     Mistake("log_grows_beyond_64", "modbus_diagnostics.v", "entries_q != LOG_ENTRIES", "entries_q != 7'd127"),
     Mistake("log_holds_63", "modbus_diagnostics.v", "LOG_ENTRIES = 7'd64", "LOG_ENTRIES = 7'd63"),
     Mistake("log_not_emptied_by_ff00", "modbus_diagnostics.v", "if (do_i[`MB_DO_EMPTY]) entries_q <= 7'd0;", ""),
@@ -278,7 +278,7 @@ MISTAKES = [
     Mistake(
         "exception_status_not_given",
         "modbus_engine.v",
-        "chosen = host_state_i[`MB_HOST_EXCEPTION_STATUS];",
+        "chosen = exception_status;",
         "chosen = 8'h00;",
     ),
     Mistake(
@@ -418,7 +418,7 @@ MISTAKES = [
   `DO(POINT(AT_FRAME))""",
         "  `DO(POINT(AT_FRAME))",
     ),
-    Mistake("length_byte_of_a_group", "modbus_range.v", "{quantity, 1'b1};", "{less_one_q[6:0], 1'b1};"),
+    Mistake("length_byte_of_a_group", "modbus_range.v", "{quantity, 1'b1};", "{quantity_less_one_q[6:0], 1'b1};"),
     # function code 2B
     Mistake(
         "no_fallback_to_the_first_object",
@@ -516,12 +516,17 @@ MISTAKES = [
         "if (!moving_i) {past_ffff_q, last_q}",
         "{past_ffff_q, last_q}",
     ),
-    Mistake("bit_byte_count_rounded_down", "modbus_range.v", "less_one_q[10:3];", "{less_one_q[10:3] - 8'd1} ;"),
+    Mistake(
+        "bit_byte_count_rounded_down",
+        "modbus_range.v",
+        "quantity_less_one_q[10:3];",
+        "{quantity_less_one_q[10:3] - 8'd1};",
+    ),
     Mistake(
         "single_item_is_two",
         "modbus_range.v",
-        "if (do_i[`MB_DO_ONE] || set_first)      less_one_q <= 16'd0;",
-        "if (do_i[`MB_DO_ONE] || set_first)      less_one_q <= 16'd1;",
+        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd0;",
+        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd1;",
     ),
     Mistake(
         "burst_ends_an_item_early",
