@@ -17,9 +17,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tb"))
 
-import words_special as special  # noqa: E402
 from master import TRACE, Failure, Master, NoDevice, device  # noqa: E402
 from protocol import vectors  # noqa: E402
+from protocol import words_special as special  # noqa: E402
 from protocol.defs import DIAGNOSTIC_FUNCTIONS, EX, FC, OVERRUN_FLAG, Space  # noqa: E402
 from protocol.frames import adu, bad_crc, bare, read, text, write_coil  # noqa: E402
 from protocol.memory import Config  # noqa: E402

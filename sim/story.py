@@ -2,8 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """The demo's last part: what goes wrong on a line, and how a master reads it from counters and event log."""
 
-import words_special as special
 from master import Failure, Master, NoDevice, device
+from protocol import words_special as special
 from protocol.defs import FC
 from protocol.frames import bad_crc, diagnostics, read, restart, text, write_register
 from protocol.memory import Config

@@ -6,7 +6,7 @@
 # The user's own FuseSoC configuration stays out of it.  lint and sim are run, the boards are set up only: that checks
 # names, files and devices, and writes what the board's tools would be given.  Exits with 0 if every one passes.
 set -u
-cd "$(dirname -- "$0")/../.." || exit 1
+cd "$(dirname -- "$0")/.." || exit 1
 rm -rf build/fusesoc                   # a project of before must not speak for this one
 mkdir -p build
 : > build/fusesoc.conf

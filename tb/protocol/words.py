@@ -7,11 +7,11 @@ Addresses are the zero-based ones of the frames (register 40108 of older texts i
 
 import struct
 
-from words_special import ANSWERS, REQUESTS
-
 from protocol.defs import COIL_OFF, COIL_ON, EXCEPTION_FLAG, FUNCTIONS, LONGEST_FRAME, Space
 from protocol.frames import crc16, text, unpack_bits, unpack_words
 from protocol.pdm import RECORD_BYTES, Event
+
+from .words_special import ANSWERS, REQUESTS
 
 EXCEPTIONS = {
     0x01: "illegal function",
