@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tb"))
+sys.path[:0] = [str(ROOT / "tb"), str(ROOT / "tools")]
 
 from timing_doc import measure, waves  # noqa: E402
 from timing_doc.lab import Lab  # noqa: E402
