@@ -178,6 +178,8 @@ SUITES = {
     "power_up_io": (IO, NO_FLOORS, "power_up", "without_a_reset"),
     "power_up_short_05": (SLAVE, FAST, "power_up", "short/code=5$"),
     "power_up_short_15": (SLAVE, FAST, "power_up", "short/code=21$"),
+    "smoke": (SLAVE, FAST, "smoke", None),
+    "smoke_io": (IO, IO_MAPPED, "smoke", None),
     "vectors": (SLAVE, FAST, "vectors_at_pins", None),
     "vectors_meter": (SLAVE, METER, "vectors_at_pins", None),
     "vectors_984": (SLAVE, example("S000-FIG32-33-984"), "vectors_at_pins", None),

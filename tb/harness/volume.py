@@ -5,7 +5,7 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 30_000,
+    "random requests on the compiled slave": 15_000,
     "random requests on 32 compiled slaves": 300,
     "random requests in a simulator": 80,
     "slaves on one line in a simulator": 4,

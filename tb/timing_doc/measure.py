@@ -10,7 +10,19 @@ from .silence import silences
 from .starts import answer_starts
 from .transmission import driver, transmission
 
-SECTIONS = (answer_starts, driver, transmission, looks, mismatch, spikes, spikes_and_mismatch, silences, transaction, bus, host)
+SECTIONS = (
+    answer_starts,
+    driver,
+    transmission,
+    looks,
+    mismatch,
+    spikes,
+    spikes_and_mismatch,
+    silences,
+    transaction,
+    bus,
+    host,
+)
 
 
 def everything(lab, clock=None):
