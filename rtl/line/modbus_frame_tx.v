@@ -94,8 +94,7 @@ module modbus_frame_tx (
 `ifdef FORMAL
   // What an answer is: count bytes, then two check characters, the driver on around all of them, the waits respected.
   reg       f_past = 1'b0;
-  reg [9:0] f_bytes = 10'd0;         // characters of data taken
-  reg [9:0] f_count = 10'd0;         // bytes of the answer
+  reg [8:0] f_left = 9'd0;           // bytes of the answer that were not taken yet
   reg [1:0] f_checks = 2'd0;         // check characters taken
   reg       f_passes = 1'b0;         // a character is on the line, as the transmitter sees it
   reg       f_delayed = 1'b0, f_led = 1'b0, f_trailed = 1'b0;   // the wait was over
@@ -105,10 +104,10 @@ module modbus_frame_tx (
   always @(posedge clk_i) begin
     f_past <= 1'b1;
     if (state_q == ST_REST) begin
-      {f_bytes, f_checks, f_passes, f_delayed, f_led, f_trailed} <= 16'd0;
-      f_count <= {1'b0, count_i};
+      {f_checks, f_passes, f_delayed, f_led, f_trailed} <= 6'd0;
+      f_left <= count_i;
     end else begin
-      if (f_take && !check_o) f_bytes  <= f_bytes + 10'd1;
+      if (f_take && !check_o) f_left   <= f_left - 9'd1;
       if (f_take && check_o)  f_checks <= f_checks + 2'd1;
       if (f_take)       f_passes <= 1'b1;
       else if (ready_i) f_passes <= 1'b0;
@@ -121,7 +120,7 @@ module modbus_frame_tx (
   always @* if (!f_past) assume (rst_i);
   always @(posedge clk_i) if (f_past) begin
     if (state_q == ST_REST) assume (count_i >= 9'd1 && count_i <= 9'd256);
-    else                    assume (count_i == f_count - f_bytes + {9'd0, next_q});   // the frame RAM counts down a clock later
+    else                    assume (count_i == (next_q ? f_left + 9'd1 : f_left));   // the frame RAM counts a clock later
     if (state_q != ST_REST && $past(state_q == ST_REST)) assume ($past(count_i) == count_i);
     // A character lasts: the transmitter is ready again long after it took one; the wait is cleared in a clock.
     if ($past(f_take)) assume (!ready_i);
@@ -134,20 +133,19 @@ module modbus_frame_tx (
     if (valid_o || f_passes) assert (de_o);                               // covers every character
     if (valid_o) assert (f_delayed && f_led);
     if (de_o) assert (f_delayed);
-    if (valid_o && !check_o) assert (f_checks == 2'd0 && f_bytes < f_count);
-    if (valid_o && check_o) assert (f_bytes == f_count && f_checks < 2'd2);
-    if (state_q == ST_DRAIN) assert (f_checks == 2'd2 && f_bytes == f_count);
-    if (state_q == ST_TAIL) assert (f_checks == 2'd2 && f_bytes == f_count && !f_passes);
+    if (valid_o && !check_o) assert (f_checks == 2'd0 && f_left != 9'd0);
+    if (valid_o && check_o) assert (f_left == 9'd0 && f_checks < 2'd2);
+    if (state_q == ST_DRAIN) assert (f_checks == 2'd2 && f_left == 9'd0);
+    if (state_q == ST_TAIL) assert (f_checks == 2'd2 && f_left == 9'd0 && !f_passes);
     if (state_q == ST_CHECK_HIGH) assert (f_checks == 2'd1);
     if (state_q == ST_CHECK_LOW) assert (f_checks == 2'd0);
-    if (state_q == ST_DELAY || state_q == ST_LEAD) assert (f_bytes == 10'd0 && f_checks == 2'd0 && !f_passes);
+    if (state_q == ST_DELAY || state_q == ST_LEAD) assert (f_left != 9'd0 && f_checks == 2'd0 && !f_passes);
     if (next_q) assert ($past(f_take && !check_o));
-    if (state_q != ST_REST) assert (f_count >= 10'd1 && f_count <= 10'd256 && f_bytes <= f_count);
     // The driver goes off behind the tail alone, or at a reset; a dropped answer never turned it on.
     if ($past(de_o) && !de_o) assert ($past(sent_stb_o));
     if (dropped_stb_o) assert (!de_o);
     if ($past(start_i) && $past(state_q == ST_REST)) assert (sending_o && !de_o);
-    cover (sent_stb_o && f_count == 10'd3);
+    cover (sent_stb_o);
     cover (dropped_stb_o);
   end
 `endif

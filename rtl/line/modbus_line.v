@@ -159,6 +159,7 @@ module modbus_line #(
     if (de_o) assert (!rx_active_o);
     if (sending_o) assert (!frames_idle && !rx_active_o);
     if (de_o) assert (sending_o && !ram_do_o[`MB_RAM_OPEN] && !ram_do_o[`MB_RAM_STORE]);
+    if ($past(de_o)) assert (!receiving && !start_stb && !char_stb);
     if (!de_o) assert (txd_o);                                   // the line is left at 1
     if (idle_o) assert (!rx_active_o && !sending_o && !de_o);
     cover (de_o && !txd_o);

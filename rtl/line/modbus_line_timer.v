@@ -109,6 +109,13 @@ module modbus_line_timer #(
           t35_q    <= 1'b0;
         end
       end
+`ifdef FORMAL
+      always @(posedge clk_i) if (f_past) begin
+        assert (clocks_q == f_clocks[W-1:0] || f_clocks == 16'hFFFF);
+        assert (t15_q == (f_clocks > T15_CLOCKS));
+        assert (t35_q == (f_clocks > T35_CLOCKS));
+      end
+`endif
       assign t15_floor = t15_q;
       assign t35_floor = t35_q;
     end
@@ -164,8 +171,11 @@ module modbus_line_timer #(
     // What makes the rest hold from clock to clock
     assert (t35_chars_q || {rest, halves_q} + f_rest == f_halves || f_halves == 8'hFF);
     assert (f_halves != 8'hFF || t35_chars_q);
-    assert (halves_q <= t35 + 7'd1 || halves_q >= 7'd125);
+    assert (rest ? halves_q >= 7'd125 : halves_q <= t35);
+    assert (rest || halves_q <= t15 || t15_chars_q);
+    assert (!t35_chars_q || (t15_chars_q && halves_q == t35));
     assert (rest == (f_halves < f_rest));
+    assert (f_rest == 8'd0 || f_rest == 8'd1 || f_rest == 8'd3);
     assert (!t15_chars_q || f_halves >= {1'b0, t15} + f_rest);
     assert (!t35_chars_q || f_halves >= {1'b0, t35} + f_rest);
     if (!$past(busy) && !busy) begin
@@ -177,7 +187,7 @@ module modbus_line_timer #(
     end
     if (receiving_i || sending_i) assert (!t35_o);
     if ($past(busy)) assert (halves_q == 7'd0 || rest);
-    cover (t35_o && t15_o);
+    cover (t15_o && f_rest != 8'd0);
   end
 
   // Waits: exactly so many bits
@@ -189,7 +199,7 @@ module modbus_line_timer #(
     assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
     if (!$past(wait_clear_i) && !wait_clear_i) begin
       assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);
-      assert (f_bits >= bits_q && {1'b0, bits_q} <= {1'b0, f_limit} + 17'd1);
+      assert (f_bits >= bits_q && (bits_q <= f_limit || f_limit == 16'd0) && bits_q[15:1] <= f_limit[15:1] && (!over_q || over));
       if (wait_over_o) assert (f_bits >= f_limit);
       if ($past(f_bits) >= $past(f_limit)) assert (wait_over_o);
     end

@@ -261,10 +261,17 @@ module modbus_uart (
     if (state_q == ST_BITS) begin
       assert (number_q <= f_stop);
       if (number_q == 4'd0) assert (decided_q);
+      if (number_q == f_stop) assert (!decided_q);                   // that decision ends the character
       if (!start_stb_o && !bit_stb_q)
         assert (f_bits == f_number_bits + ((decided_q && number_q != 4'd0 && number_q < 4'd9) ? 4'd1 : 4'd0));
     end
     if (state_q == ST_START) assert (number_q == 4'd0 && !decided_q);
+    // Each bit is decided before its last quarter.
+    if (state_q == ST_START || state_q == ST_BITS) begin
+      if (quarter == 2'd3) assert (decided_q);
+      if (quarter == 2'd0) assert (!decided_q);
+      if (quarter == 2'd2 && $past(quarter) == 2'd2 && !decided_q) assert (may_q);
+    end
     if (char_stb_o) assert (f_bits == 4'd8);                         // never a shorter or longer one
     if (char_stb_o) assert (framing_error_o ? state_q == ST_BREAK || !receiving_o : !receiving_o || state_q == ST_BREAK);
     assert (!(start_stb_o && char_stb_o));
