@@ -61,10 +61,13 @@ module modbus_line_timer #(
   wire       half_stb = quarter_stb & quarter[0];
   wire       unused   = quarter[1];
 
-  // Silence begins with a whole bit.
+  // Silence begins with a whole bit.  A wait that begins in this clock is a clock too late to matter.
+  reg        no_wait_q = 1'b1;
+  always @(posedge clk_i) no_wait_q <= wait_clear_i;
+
   modbus_bit_clock u_bit_clock (
     .clk_i(clk_i), .bit_time_i(bit_time_i),
-    .restart_i(rst_i | restart_i | sending_i | wait_stb_i | (receiving_i & wait_clear_i)),
+    .restart_i(rst_i | restart_i | sending_i | wait_stb_i | (receiving_i & no_wait_q)),
     .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
   );
 

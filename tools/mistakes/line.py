@@ -113,7 +113,7 @@ MISTAKES = [
         ".sending_i(tx_sending), .restart_i",
         ".sending_i(de_o), .restart_i",
     ),
-    Mistake("characters_stop_a_wait", "modbus_line_timer.v", "(receiving_i & wait_clear_i)", "receiving_i"),
+    Mistake("characters_stop_a_wait", "modbus_line_timer.v", "(receiving_i & no_wait_q)", "receiving_i"),
     Mistake(
         "late_answer_sent", "modbus_frame_tx.v", "ST_DELAY: if (drop_i) state_d = ST_REST; else if", "ST_DELAY: if"
     ),
