@@ -53,7 +53,7 @@ class Room:
     async def start(cls, dut, fmt="8E1", bit_time=8, silent=True, **given):
         self = cls()
         self.dut, self.fmt = dut, FORMAT_BY_NAME[fmt]
-        self.bit = bit_time * CLOCK_PS + given.get("bit_fraction", 0) * CLOCK_PS / 16
+        self.bit = round((bit_time + given.get("bit_fraction", 0) / 16) * CLOCK_PS)
         self.rng = random.Random(1)
         self.t35 = round(3.5 * self.fmt.length * self.bit)
         self.ram, self.cursor, self.count = bytearray(512), 0, 0
