@@ -1,6 +1,7 @@
 +incdir+rtl/include
 +incdir+rtl/engine
 rtl/line/modbus_sync.v
+rtl/line/modbus_glitch_filter.v
 rtl/line/modbus_bit_clock.v
 rtl/line/modbus_uart.v
 rtl/line/modbus_line_timer.v

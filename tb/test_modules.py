@@ -22,6 +22,13 @@ SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
 MODULES = {
     "sync": ("modbus_sync", {}, "line.sync"),
     "bit_clock": ("modbus_bit_clock", {}, "line.bit_clock"),
+    "bit_clock_fractions": ("modbus_bit_clock", {"BIT_FRACTIONS": 1}, "line.bit_clock_fractions"),
+    "glitch_filter": ("modbus_glitch_filter", {"CLOCKS": 3}, "line.glitch_filter"),
+    "line_filtered": (
+        "modbus_line",
+        {"CLK_HZ": 1_000_000, "T15_MIN_US": 0, "T35_MIN_US": 0, "BIT_FRACTIONS": 1, "GLITCH_FILTER": 3},
+        "line.filtered",
+    ),
     "uart_receiving": ("uart_bench", {}, "line.uart_receiving"),
     "uart_sending": ("uart_bench", {}, "line.uart_sending"),
     "crc16": ("modbus_crc16", {}, "line.crc16"),

@@ -37,6 +37,9 @@ LEGAL = [
     (SLAVE, {"ADDRESS": 0, "BAUD": 763, "FORMAT": 3, "RESPONSE_DELAY": 4095, "STALL_LIMIT": 65535, "DE_LEAD": 15}),
     (SLAVE, {"BAUD": 6_250_000, "DE_TAIL": 15, "DROP_LATE": 1, "STRICT_TURNAROUND": 1, "GAP_COUNT_ONLY": 1}),
     (IO, {"CLK_HZ": 12_000_000, "BAUD": 921_600, "BROADCAST": 0}),
+    (IO, {"CLK_HZ": 12_000_000, "BAUD": 1_228_800, "BIT_FRACTIONS": 1}),  # 9.77 clocks
+    (IO, {"CLK_HZ": 27_000_000, "BAUD": 1_000_000, "GLITCH_FILTER": 6}),
+    (SLAVE, {"CLK_HZ": 1_000_000_000, "BAUD": 115_200, "BIT_FRACTIONS": 1, "GLITCH_FILTER": 255}),
     (CORE, {}),
     (SLAVE, {"COIL_COUNT": 65536, "DISCRETE_COUNT": 0, "INPUT_BASE": 65535, "INPUT_COUNT": 1}),
     (SLAVE, {"T15_MIN_US": 0, "T35_MIN_US": 0, "MAX_READ_BITS": 1, "RW_MAX_WRITE": 1}),
@@ -66,6 +69,11 @@ ILLEGAL = [
     (SLAVE, {"ADDRESS": 248}),
     (IO, {"ADDRESS": -1}),
     (SLAVE, {"BAUD": 0}),
+    (IO, {"CLK_HZ": 12_000_000, "BAUD": 1_228_800}),  # rounded to 10: 2.4 % off
+    (SLAVE, {"BAUD": 6_300_000, "BIT_FRACTIONS": 1}),  # 7.94 clocks
+    (CORE, {"BIT_FRACTIONS": 2}),
+    (CORE, {"GLITCH_FILTER": 256}),
+    (IO, {"CLK_HZ": 27_000_000, "BAUD": 1_000_000, "GLITCH_FILTER": 7}),  # 27 clocks a bit
     (SLAVE, {"BAUD": 700}),  # 71429 clocks a bit
     (SLAVE, {"BAUD": 6_500_000}),  # 7.7 clocks, rounded to 8: 4 % off
     (IO, {"CLK_HZ": 10_000_000, "BAUD": 1_050_000}),  # 9.52 clocks, rounded to 10: 5 % off

@@ -11,6 +11,8 @@
   parameter integer CLK_HZ              = 50000000,      // clk_i in hertz, 1000..1000000000
   parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
   parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
+  parameter integer BIT_FRACTIONS       = 0,             // 1: a bit may last a sixteenth of a clock more or less
+  parameter integer GLITCH_FILTER       = 0,             // clocks: a shorter pulse on rxd_i is not seen, 0..255
   parameter [127:0] FUNCTION_CODES      = `MB_ALL_FUNCTIONS,  // bit n: function code n is built in
   parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user first
   parameter integer MAX_READ_BITS       = 2000,          // 1..2000

@@ -118,10 +118,11 @@
 `define MB_SET_STALL_LIMIT    57:42    // bit times a bank may be silent, 0: for ever
 `define MB_SET_DE_LEAD        61:58    // bit times from driver enable to the start bit
 `define MB_SET_DE_TAIL        65:62    // bit times from the last stop bit to driver off
-`define MB_SETTINGS_WIDTH     66
+`define MB_SET_BIT_FRACTION   69:66    // sixteenths of a clock per bit beyond MB_SET_BIT_TIME, with BIT_FRACTIONS = 1
+`define MB_SETTINGS_WIDTH     70
 // A settings_i with the usual options: broadcast obeyed, driver lead of one bit, all others off
 `define MB_LINE_SETTINGS(address, bit_time, format) \
-  {4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
+  {4'd0, 4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
 
 // State of the host: fields of host_state_i
 `define MB_HOST_BUSY             0

@@ -3,14 +3,19 @@
 //
 // modbus_settings_value - the vector SETTINGS of the parameters of modbus_settings.vh, for settings_i.
 //
-// The bit time is CLK_HZ / BAUD, rounded.  A rate that misses BAUD by more than 2 % stops elaboration: a receiver
-// must accept that much (MODBUS over Serial Line V1.02, clause 3.2).
+// The bit time is CLK_HZ / BAUD, rounded to clocks, with BIT_FRACTIONS = 1 to sixteenths.  A rate that misses BAUD by
+// more than 2 % stops elaboration: a receiver must accept that much (MODBUS over Serial Line V1.02, clause 3.2).
 
-  localparam integer BIT_TIME   = (CLK_HZ + BAUD / 2) / BAUD;
-  localparam integer RATE_ERROR = (CLK_HZ - BIT_TIME * BAUD < 0) ? BIT_TIME * BAUD - CLK_HZ : CLK_HZ - BIT_TIME * BAUD;
+  // No term passes 32 bits: what CLK_HZ / BAUD leaves is below CLK_HZ / 8.
+  localparam integer STEPS        = (BIT_FRACTIONS != 0) ? 16 : 1;
+  localparam integer REST_STEPS   = ((CLK_HZ % BAUD) * STEPS + BAUD / 2) / BAUD;          // 0..STEPS
+  localparam integer BIT_TIME     = CLK_HZ / BAUD + REST_STEPS / STEPS;
+  localparam integer BIT_FRACTION = (BIT_FRACTIONS != 0) ? REST_STEPS % STEPS : 0;
+  localparam integer MISSED       = (CLK_HZ % BAUD) * STEPS - REST_STEPS * BAUD;          // in steps of a clock
+  localparam integer RATE_ERROR   = ((MISSED < 0) ? -MISSED : MISSED) / STEPS;
 
   localparam [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {
-    DE_TAIL[3:0], DE_LEAD[3:0], STALL_LIMIT[15:0], RESPONSE_DELAY[11:0], DROP_LATE != 0, STRICT_TURNAROUND != 0,
+    BIT_FRACTION[3:0], DE_TAIL[3:0], DE_LEAD[3:0], STALL_LIMIT[15:0], RESPONSE_DELAY[11:0], DROP_LATE != 0, STRICT_TURNAROUND != 0,
     GAP_COUNT_ONLY != 0, BROADCAST != 0, FORMAT[1:0], BIT_TIME[15:0], ADDRESS[7:0]
   };
 
@@ -23,6 +28,9 @@
     end
     if (RATE_ERROR > CLK_HZ / 50) begin : gen_rate
       ERROR_modbus_BAUD_is_missed_by_more_than_2_percent_with_a_whole_number_of_clocks_per_bit illegal_parameter ();
+    end
+    if (4 * GLITCH_FILTER > BIT_TIME) begin : gen_filter
+      ERROR_modbus_GLITCH_FILTER_is_longer_than_a_quarter_of_a_bit illegal_parameter ();
     end
     if (FORMAT < 0 || FORMAT > 3) begin : gen_format
       ERROR_modbus_FORMAT_from_0_to_3 illegal_parameter ();

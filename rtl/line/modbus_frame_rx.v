@@ -78,6 +78,7 @@ module modbus_frame_rx (
   reg [1:0] state_q = ST_INITIAL, state_d;
   reg       parity_q = 1'b0, framing_q = 1'b0, long_q = 1'b0, gap_q = 1'b0;
   reg       heard_q = 1'b0;          // a character came during the work
+  reg       open_q = 1'b0;           // a frame has begun; its first bit is far away
   reg       store_q = 1'b0;
   // The frame is good: cursor to its first byte, look at that, decide whose it is; a clock each
   reg       look_q = 1'b0, check_q = 1'b0, decide_q = 1'b0;
@@ -103,7 +104,7 @@ module modbus_frame_rx (
   wire silent_end = dropped_i | (quiet_i & ~sending_i & ~send_i);
   wire done    = work & (sent_i | silent_end);
 
-  assign open_stb_o  = ((state_q == ST_IDLE) & start_stb_i) | (foreign & heard);
+  assign open_stb_o  = open_q;
   assign store_stb_o = store_q;
 
   always @* begin
@@ -125,6 +126,7 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) begin
     state_q <= state_d;
+    open_q  <= (((state_q == ST_IDLE) & start_stb_i) | (foreign & heard)) & ~rst_i;
     store_q <= reception & char_stb_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
     look_q   <= good & ~rst_i;
@@ -132,7 +134,7 @@ module modbus_frame_rx (
     decide_q <= check_q & ~rst_i;
     for_us_q  <= for_us;
     for_all_q <= for_all;
-    if (open_stb_o) begin
+    if (open_q) begin
       parity_q  <= 1'b0;
       framing_q <= 1'b0;
       long_q    <= 1'b0;
@@ -169,10 +171,12 @@ module modbus_frame_rx (
   reg       f_past = 1'b0;
   reg       f_clean = 1'b0;          // no character of this frame was faulty
   reg [8:0] f_stored = 9'd0;         // characters stored
+  reg [2:0] f_age = 3'd7;            // clocks since the last start bit, 7 and more
   wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
+    f_age  <= start_stb_i ? 3'd0 : (f_age == 3'd7) ? 3'd7 : f_age + 3'd1;
     if (open_stb_o) begin
       f_clean  <= 1'b1;
       f_stored <= 9'd0;
@@ -183,9 +187,10 @@ module modbus_frame_rx (
   end
 
   always @* if (!f_past) assume (rst_i);
-  always @* if (reception) assume (count_i == f_stored);     // what the frame RAM does
+  always @* if (reception && !open_stb_o) assume (count_i == f_stored);   // what the frame RAM does
   always @(posedge clk_i) if (f_past) begin
     assume ($stable(gap_count_only_i));
+    if (f_age != 3'd7) assume (!t35_i && !char_stb_i);          // a character lasts from its start bit on,
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
     if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
     if (judging || good) assume (!restart_i);                  // the engine has no frame then
@@ -196,7 +201,7 @@ module modbus_frame_rx (
   end
 
   always @(posedge clk_i) if (f_past) begin
-    if (reception) begin
+    if (reception && !open_stb_o) begin
       assert (f_stored <= 9'd256);
       assert (f_clean || parity_q || framing_q);
     end
@@ -217,7 +222,7 @@ module modbus_frame_rx (
     if (send_stb_o) assert (state_q == ST_WORK && !judging);
     if (drop_o) assert (drop_late_i && heard_q);
     if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
-    if (state_q == ST_WORK) assert (!store_stb_o && (!open_stb_o || foreign_stb_o) && !good);
+    if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
     cover (err_overrun_o);

@@ -3,7 +3,7 @@
 //
 // modbus_line - the line side of the core: from the pins to judged frames, and from an answer to the pins.
 //
-//   rxd_i -> modbus_sync -> modbus_uart -> modbus_frame_rx -> frame_o, ram_do_o, rx_byte_o
+//   rxd_i -> modbus_sync -> modbus_glitch_filter -> modbus_uart -> modbus_frame_rx -> frame_o, ram_do_o, rx_byte_o
 //   frame_byte_i, verdict_i -> modbus_frame_tx -> modbus_uart -> txd_o, de_o
 //
 // modbus_line_timer measures silence and waits, modbus_crc16 sees each data bit that passes, either way.
@@ -20,7 +20,9 @@
 module modbus_line #(
   parameter integer CLK_HZ     = 50000000,   // clk_i in hertz
   parameter integer T15_MIN_US = 750,        // floor of t1.5 in microseconds, 0: none
-  parameter integer T35_MIN_US = 1750        // floor of t3.5 in microseconds, 0: none
+  parameter integer T35_MIN_US = 1750,       // floor of t3.5 in microseconds, 0: none
+  parameter integer BIT_FRACTIONS = 0,       // 1: MB_SET_BIT_FRACTION counts
+  parameter integer GLITCH_FILTER = 0        // clocks: a pulse on rxd_i that is not longer is not seen, 0..255
 ) (
   input  wire        clk_i,
   input  wire        rst_i,                  // synchronous, active high
@@ -56,6 +58,9 @@ module modbus_line #(
     if (CLK_HZ < 1000 || CLK_HZ > 1000000000) begin : gen_clock
       ERROR_modbus_CLK_HZ_from_1000_to_1000000000 illegal_parameter ();
     end
+    if (BIT_FRACTIONS < 0 || BIT_FRACTIONS > 1) begin : gen_fractions
+      ERROR_modbus_BIT_FRACTIONS_is_0_or_1 illegal_parameter ();
+    end
     if (T15_MIN_US < 0 || T35_MIN_US < T15_MIN_US || T35_MIN_US > 100000) begin : gen_floors
       ERROR_modbus_T35_MIN_US_from_T15_MIN_US_to_100000 illegal_parameter ();
     end
@@ -67,19 +72,22 @@ module modbus_line #(
   localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
 
   wire [15:0] bit_time    = settings_i[`MB_SET_BIT_TIME];
+  wire [3:0]  fraction    = settings_i[`MB_SET_BIT_FRACTION];
   wire [1:0]  format      = settings_i[`MB_SET_FORMAT];
   wire [15:0] stall_limit = settings_i[`MB_SET_STALL_LIMIT];
 
   // ------------------------------------------------------------------ characters
 
-  wire       rxd, uart_idle, receiving, start_stb, char_stb, parity_error, framing_error;
+  wire       rxd_sync, rxd, uart_idle, receiving, start_stb, char_stb, parity_error, framing_error;
   wire       tx_valid, tx_check, tx_ready, tx_sending, tx_begin;
   wire       data_stb, data_bit, feed, check_bit, crc_zero;
 
-  modbus_sync u_sync (.clk_i(clk_i), .async_i(rxd_i), .sync_o(rxd));
+  modbus_sync u_sync (.clk_i(clk_i), .async_i(rxd_i), .sync_o(rxd_sync));
 
-  modbus_uart u_uart (
-    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .format_i(format),
+  modbus_glitch_filter #(.CLOCKS(GLITCH_FILTER)) u_filter (.clk_i(clk_i), .level_i(rxd_sync), .level_o(rxd));
+
+  modbus_uart #(.BIT_FRACTIONS(BIT_FRACTIONS)) u_uart (
+    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .enable_i(~de_o), .rxd_i(rxd), .txd_o(txd_o), .idle_o(uart_idle),
     .receiving_o(receiving), .start_stb_o(start_stb), .char_stb_o(char_stb), .data_o(rx_byte_o),
     .parity_error_o(parity_error), .framing_error_o(framing_error),
@@ -99,8 +107,10 @@ module modbus_line #(
   wire [11:0] tx_wait_limit;
 
   // One wait counter: the waits of an answer follow the bank's.
-  modbus_line_timer #(.T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)) u_line_timer (
-    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .format_i(format),
+  modbus_line_timer #(
+    .BIT_FRACTIONS(BIT_FRACTIONS), .T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)
+  ) u_line_timer (
+    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
     .t15_o(t15), .t35_o(t35), .wait_stb_i(send_stb),
     .wait_clear_i(sending_o ? tx_wait_clear : ~bank_waits_i),

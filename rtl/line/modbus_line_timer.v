@@ -20,12 +20,14 @@
 `include "modbus_defs.vh"
 
 module modbus_line_timer #(
+  parameter integer BIT_FRACTIONS = 0,      // 1: fraction_i counts
   parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
   parameter integer T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
   input  wire [15:0] bit_time_i,
+  input  wire [3:0]  fraction_i,     // sixteenths of a clock beyond bit_time_i
   input  wire [1:0]  format_i,
 
   // Silence
@@ -61,10 +63,13 @@ module modbus_line_timer #(
   wire       half_stb = quarter_stb & quarter[0];
   wire       unused   = quarter[1];
 
-  // Silence begins with a whole bit.
-  modbus_bit_clock u_bit_clock (
-    .clk_i(clk_i), .bit_time_i(bit_time_i),
-    .restart_i(rst_i | restart_i | sending_i | wait_stb_i | (receiving_i & wait_clear_i)),
+  // Silence begins with a whole bit.  A wait that begins in this clock is a clock too late to matter.
+  reg        no_wait_q = 1'b1;
+  always @(posedge clk_i) no_wait_q <= wait_clear_i;
+
+  modbus_bit_clock #(.BIT_FRACTIONS(BIT_FRACTIONS)) u_bit_clock (
+    .clk_i(clk_i), .bit_time_i(bit_time_i), .fraction_i(fraction_i),
+    .restart_i(rst_i | restart_i | sending_i | wait_stb_i | (receiving_i & no_wait_q)),
     .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
   );
 

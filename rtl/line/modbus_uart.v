@@ -6,9 +6,10 @@
 // The line is half duplex: with enable_i low, while the driver is on, the receiver is deaf.  So receiver and
 // transmitter share the bit clock, the shift register, the bit number and the parity.
 //
-// Receiving.  Each bit is sampled 1/4, 1/2 and 3/4 through; two equal samples decide it.  The first two mostly agree,
-// so the stop bit is judged at its middle and the next start bit may come early (a fast sender).  The samples are
-// centred on the clock in which the edge may have fallen.
+// Receiving.  Each bit is sampled 1/4, 1/2 and 3/4 through; two equal samples decide it.  In a stop bit the first sample
+// counts as 1.  So a stop bit that is high in its middle ends there, and the next start bit may come early (a fast
+// sender); one that comes late has until 3/4 (a slow sender).  The samples are centred on the clock in which the edge
+// may have fallen.
 //   A start bit that is high again after 1/4 bit, or by majority, was a spike: nothing is reported, and only the bit
 //   clock in here has noticed.  A spike shorter than 1/4 bit inside a character spoils at most one sample of three.
 //   One case is not cured: a high spike across the first sample of a start bit makes the character begin behind the
@@ -28,10 +29,13 @@
 `default_nettype none
 `include "modbus_defs.vh"
 
-module modbus_uart (
+module modbus_uart #(
+  parameter integer BIT_FRACTIONS = 0  // 1: fraction_i counts
+) (
   input  wire        clk_i,
   input  wire        rst_i,
   input  wire [15:0] bit_time_i,
+  input  wire [3:0]  fraction_i,      // sixteenths of a clock beyond bit_time_i
   input  wire [1:0]  format_i,
 
   // Line
@@ -94,8 +98,8 @@ module modbus_uart (
   wire       begin_char, quarter_stb, bit_stb;
   wire [1:0] quarter;
 
-  modbus_bit_clock u_bit_clock (
-    .clk_i(clk_i), .bit_time_i(bit_time_i), .restart_i(begin_char | begin_stb_o),
+  modbus_bit_clock #(.BIT_FRACTIONS(BIT_FRACTIONS)) u_bit_clock (
+    .clk_i(clk_i), .bit_time_i(bit_time_i), .fraction_i(fraction_i), .restart_i(begin_char | begin_stb_o),
     .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
   );
 
@@ -129,7 +133,8 @@ module modbus_uart (
   end
 
   always @(posedge clk_i) begin
-    may_q       <= ~decided_q & ((quarter == 2'd2) | ((quarter == 2'd1) & (rxd_i == sample_q)));
+    // In a stop bit the first sample counts as 1: with a slow sender it may still fall into the bit before.
+    may_q       <= ~decided_q & ((quarter == 2'd2) | ((quarter == 2'd1) & (rxd_i == (sample_q | is_stop_q))));
     line_q      <= rxd_i;
     start_stb_q <= confirm & enable_i;
     bit_stb_q   <= take_bit & data_bit;

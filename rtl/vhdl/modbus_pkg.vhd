@@ -73,7 +73,7 @@ package modbus_pkg is
   constant MB_FORMAT_8N1 : std_logic_vector(1 downto 0) := "11";
 
   -- settings_i
-  constant MB_SETTINGS_WIDTH : natural := 66;
+  constant MB_SETTINGS_WIDTH : natural := 70;
   subtype mb_settings_vector is std_logic_vector(MB_SETTINGS_WIDTH - 1 downto 0);
   function mb_settings (
     address        : std_logic_vector(7 downto 0);
@@ -86,7 +86,8 @@ package modbus_pkg is
     response_delay : std_logic_vector(11 downto 0) := x"000";
     stall_limit    : std_logic_vector(15 downto 0) := x"0000";
     de_lead        : std_logic_vector(3 downto 0)  := x"1";
-    de_tail        : std_logic_vector(3 downto 0)  := x"0"
+    de_tail        : std_logic_vector(3 downto 0)  := x"0";
+    bit_fraction   : std_logic_vector(3 downto 0)  := x"0"
   ) return mb_settings_vector;
 
   -- host_state_i
@@ -163,6 +164,8 @@ package modbus_pkg is
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
+      BIT_FRACTIONS         : natural                         := 0;
+      GLITCH_FILTER         : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -235,6 +238,8 @@ package modbus_pkg is
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
+      BIT_FRACTIONS         : natural                         := 0;
+      GLITCH_FILTER         : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -288,6 +293,8 @@ package modbus_pkg is
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
+      BIT_FRACTIONS         : natural                         := 0;
+      GLITCH_FILTER         : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -466,10 +473,11 @@ package body modbus_pkg is
     response_delay : std_logic_vector(11 downto 0) := x"000";
     stall_limit    : std_logic_vector(15 downto 0) := x"0000";
     de_lead        : std_logic_vector(3 downto 0)  := x"1";
-    de_tail        : std_logic_vector(3 downto 0)  := x"0"
+    de_tail        : std_logic_vector(3 downto 0)  := x"0";
+    bit_fraction   : std_logic_vector(3 downto 0)  := x"0"
   ) return mb_settings_vector is
   begin
-    return de_tail & de_lead & stall_limit & response_delay & drop_late & strict & gap_count_only & broadcast
+    return bit_fraction & de_tail & de_lead & stall_limit & response_delay & drop_late & strict & gap_count_only & broadcast
       & format & bit_time & address;
   end function;
 

@@ -55,6 +55,7 @@ class Setup:
     stall_limit: int = 0
     de_lead: int = 0
     de_tail: int = 0
+    bit_fraction: int = 0
     busy: int = 0
     write_lock: int = 0
     failure: int = 0

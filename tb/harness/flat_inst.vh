@@ -7,7 +7,7 @@
     .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(broadcast_en_i),
     .gap_count_only_i(gap_count_only_i), .strict_turnaround_i(strict_turnaround_i), .drop_late_i(drop_late_i),
     .response_delay_i(response_delay_i), .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i),
-    .de_tail_i(de_tail_i), .busy_i(busy_i), .failure_i(failure_i), .exception_status_i(exception_status_i),
+    .de_tail_i(de_tail_i), .bit_fraction_i(bit_fraction_i), .busy_i(busy_i), .failure_i(failure_i), .exception_status_i(exception_status_i),
     .run_indicator_i(run_indicator_i), .diagnostic_i(diagnostic_i), .user_req_o(user_req_o),
     .user_count_o(user_count_o), .user_adr_i(user_adr_i), .user_dat_o(user_dat_o), .user_put_i(user_put_i),
     .user_dat_i(user_dat_i), .user_done_i(user_done_i), .user_pass_i(user_pass_i),

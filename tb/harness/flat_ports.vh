@@ -21,6 +21,7 @@
   input  wire [15:0] stall_limit_i,
   input  wire [3:0]  de_lead_i,
   input  wire [3:0]  de_tail_i,
+  input  wire [3:0]  bit_fraction_i,
 
   // host_state_i
   input  wire        busy_i,

@@ -30,6 +30,7 @@ SETTINGS = (  # name, width, default
     ("stall_limit", 16, 0),
     ("de_lead", 4, 0),
     ("de_tail", 4, 0),
+    ("bit_fraction", 4, 0),
 )
 EVENTS = ("frame", "parity", "framing", "overrun", "crc", "short", "long", "gap")
 SEND, QUIET, RESTART = 1, 2, 4
@@ -51,7 +52,8 @@ class Room:
     @classmethod
     async def start(cls, dut, fmt="8E1", bit_time=8, silent=True, **given):
         self = cls()
-        self.dut, self.fmt, self.bit = dut, FORMAT_BY_NAME[fmt], bit_time * CLOCK_PS
+        self.dut, self.fmt = dut, FORMAT_BY_NAME[fmt]
+        self.bit = round((bit_time + given.get("bit_fraction", 0) / 16) * CLOCK_PS)
         self.rng = random.Random(1)
         self.t35 = round(3.5 * self.fmt.length * self.bit)
         self.ram, self.cursor, self.count = bytearray(512), 0, 0

@@ -36,7 +36,7 @@ module uart_bench (
   modbus_sync u_sync (.clk_i(clk_i), .async_i(rxd_i), .sync_o(rxd));
 
   modbus_uart u_uart (
-    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time_i), .format_i(format_i),
+    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time_i), .fraction_i(4'd0), .format_i(format_i),
     .enable_i(enable_i), .rxd_i(rxd), .txd_o(txd_o), .idle_o(idle_o),
     .receiving_o(receiving_o), .start_stb_o(start_stb_o), .char_stb_o(char_stb_o), .data_o(data_o),
     .parity_error_o(parity_error_o), .framing_error_o(framing_error_o),

@@ -174,3 +174,15 @@ async def reset_forgets_the_character(dut):
     await sender
     await clocks(dut, 100)
     assert not rx.take()
+
+
+@cocotb.test()
+@cocotb.parametrize(limit=[(8, -4.4), (8, 4.0), (16, -4.4), (16, 4.5), (100, 4.5)])
+async def sender_may_be_so_far_off(dut, limit):
+    """Per cent slower, or faster if negative, at so many clocks per bit."""
+    bit_time, percent = limit
+    rx = await Receiver.start(dut, "8E1", bit_time)
+    rx.bit = round(rx.bit * (1 + percent / 100))
+    data = bytes([0x00, 0xFF, 0x01, 0x80]) + rx.rng.randbytes(60)
+    await rx.send(data)
+    assert rx.take() == [(byte, 0, 0) for byte in data]

@@ -113,7 +113,7 @@ MISTAKES = [
         ".sending_i(tx_sending), .restart_i",
         ".sending_i(de_o), .restart_i",
     ),
-    Mistake("characters_stop_a_wait", "modbus_line_timer.v", "(receiving_i & wait_clear_i)", "receiving_i"),
+    Mistake("characters_stop_a_wait", "modbus_line_timer.v", "(receiving_i & no_wait_q)", "receiving_i"),
     Mistake(
         "late_answer_sent", "modbus_frame_tx.v", "ST_DELAY: if (drop_i) state_d = ST_REST; else if", "ST_DELAY: if"
     ),
@@ -141,6 +141,19 @@ MISTAKES = [
         "send_stb_o    = work & send_i & ~sending_i;",
         "send_stb_o    = send_i & ~sending_i;",
     ),
+    Mistake(
+        "fraction_of_a_clock_lost",
+        "modbus_bit_clock.v",
+        "(quarter_q == 2'd0) ? long_bit :",
+        "(quarter_q == 2'd0) ? 1'b0 :",
+    ),
+    Mistake(
+        "filter_lets_its_limit_pass",
+        "modbus_glitch_filter.v",
+        "count_q == CLOCKS[W-1:0]",
+        "count_q + 1'b1 == CLOCKS[W-1:0]",
+    ),
+    Mistake("late_stop_bit_not_seen", "modbus_uart.v", "(sample_q | is_stop_q)", "sample_q"),
     Mistake("odd_clock_of_a_bit_lost", "modbus_bit_clock.v", "? bit_time_i[0] :", "? 1'b0 :"),
     # the line
     Mistake(
