@@ -39,8 +39,8 @@ module modbus_rtu_core #(
   wire                         sending, bank_waits, stall;
 
   modbus_line #(
-    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .BIT_FRACTIONS(BIT_FRACTIONS),
-    .GLITCH_FILTER(GLITCH_FILTER)
+    .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .MAX_BIT_TIME(MAX_BIT_TIME),
+    .BIT_FRACTIONS(BIT_FRACTIONS), .GLITCH_FILTER(GLITCH_FILTER)
   ) u_line (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings_i),
     .frame_o(frame), .ram_do_o(ram_do), .rx_byte_o(rx_byte), .rx_active_o(rx_active_o), .frame_byte_i(frame_byte),

@@ -62,7 +62,7 @@ module modbus_rtu_slave #(
   // The drop-in leaves the user port and the events alone.
   // verilator lint_off PINCONNECTEMPTY
   modbus_rtu_core #(
-    .FUNCTION_CODES(TABLE_CODES),
+    .FUNCTION_CODES(TABLE_CODES), .MAX_BIT_TIME((HOST_MAP != 0 && HOST_SETTINGS != 0) ? MAX_BIT_TIME : BIT_TIME),
 `include "modbus_config_inst.vh"
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),

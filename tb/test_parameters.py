@@ -72,6 +72,8 @@ ILLEGAL = [
     (IO, {"CLK_HZ": 12_000_000, "BAUD": 1_228_800}),  # rounded to 10: 2.4 % off
     (SLAVE, {"BAUD": 6_300_000, "BIT_FRACTIONS": 1}),  # 7.94 clocks
     (CORE, {"BIT_FRACTIONS": 2}),
+    (CORE, {"MAX_BIT_TIME": 7}),
+    (SLAVE, {"HOST_SETTINGS": 1, "HOST_MAP": 1, "MAX_BIT_TIME": 65536}),
     (CORE, {"GLITCH_FILTER": 256}),
     (IO, {"CLK_HZ": 27_000_000, "BAUD": 1_000_000, "GLITCH_FILTER": 7}),  # 27 clocks a bit
     (SLAVE, {"BAUD": 700}),  # 71429 clocks a bit

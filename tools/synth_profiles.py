@@ -43,6 +43,7 @@ LEFT_OPEN = ("io",)
 # profile -> bank -> (parameters, ties).  The function codes of `basic` are 01-06 0F 10; `full` has all, with the
 # tables of the live device where they are in RAM.
 MINIMAL = {
+    "MAX_BIT_TIME": str(FIXED_LINE["bit_time_i"]),
     "FUNCTION_CODES": "128'h00010048",
     "COIL_COUNT": "0",
     "DISCRETE_COUNT": "0",

@@ -11,6 +11,7 @@
   parameter integer CLK_HZ              = 50000000,      // clk_i in hertz, 1000..1000000000
   parameter integer T15_MIN_US          = 750,           // floor of t1.5 in microseconds, 0: none
   parameter integer T35_MIN_US          = 1750,          // floor of t3.5 in microseconds, 0: none
+  parameter integer MAX_BIT_TIME        = 65535,         // clocks per bit at the slowest rate; what is lower takes fewer cells
   parameter integer BIT_FRACTIONS       = 0,             // 1: a bit may last a sixteenth of a clock more or less
   parameter integer GLITCH_FILTER       = 0,             // clocks: a shorter pulse on rxd_i is not seen, 0..255
   parameter [127:0] FUNCTION_CODES      = `MB_ALL_FUNCTIONS,  // bit n: function code n is built in

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_config_inst - passes the parameters of modbus_config.vh on to an instance, all but FUNCTION_CODES.
+// modbus_config_inst - passes the parameters of modbus_config.vh on to an instance, all but FUNCTION_CODES and MAX_BIT_TIME.
 //
-// A drop-in takes the codes of missing tables out of FUNCTION_CODES, so it names that parameter itself.
+// A drop-in takes the codes of missing tables out of FUNCTION_CODES, and knows the longest
+// bit where the rate is fixed, so it names these two itself.
 
   .CLK_HZ(CLK_HZ),
   .T15_MIN_US(T15_MIN_US),

@@ -15,10 +15,11 @@
 `default_nettype none
 
 module modbus_bit_clock #(
+  parameter integer MAX_BIT_TIME  = 65535, // no bit_time_i is above it; the count has no more bits than that takes
   parameter integer BIT_FRACTIONS = 0  // 1: fraction_i counts
 ) (
   input  wire        clk_i,
-  input  wire [15:0] bit_time_i,     // clocks per bit, 8..65535
+  input  wire [15:0] bit_time_i,     // clocks per bit, 8..MAX_BIT_TIME
   input  wire [3:0]  fraction_i,     // and so many sixteenths of a clock
   input  wire        restart_i,      // level : a bit begins in the next clock
   output wire        quarter_stb_o,  // strobe: a quarter ends
@@ -32,7 +33,12 @@ module modbus_bit_clock #(
   //
   // The two low bits stand apart.  With them the end is known two clocks ahead: one for the strobe's register, one that
   // an extended quarter does not use.
-  reg [11:0] upper_q   = 12'd0;
+  // Bits of the count above the two low ones
+  localparam integer U = (MAX_BIT_TIME >> 15 != 0) ? 12 : (MAX_BIT_TIME >> 14 != 0) ? 11 :
+                         (MAX_BIT_TIME >> 13 != 0) ? 10 : (MAX_BIT_TIME >> 12 != 0) ? 9 :
+                         (MAX_BIT_TIME >> 11 != 0) ? 8  : (MAX_BIT_TIME >> 10 != 0) ? 7 :
+                         (MAX_BIT_TIME >> 9 != 0)  ? 6  : (MAX_BIT_TIME >> 8 != 0)  ? 5 : 4;
+  reg [U-1:0] upper_q   = {U{1'b0}};
   reg [1:0]  lower_q   = 2'd0;
   reg [1:0]  quarter_q = 2'd0;
   reg        stb_q     = 1'b1;       // at power-up the count is loaded first
@@ -45,13 +51,13 @@ module modbus_bit_clock #(
   wire       load   = restart_i | stb_q;
   // The sum means nothing while the count is loaded; written so, sum and load share one cell a bit.
   wire       full;
-  wire [11:0] next;
-  assign {full, next} = {1'b0, upper_q} + {1'b0, {11{load}}, 1'b1};
+  wire [U-1:0] next;
+  assign {full, next} = {1'b0, upper_q} + {1'b0, {(U-1){load}}, 1'b1};
 
   always @(posedge clk_i) begin
     stb_q   <= full & (lower_q[1] | (lower_q[0] & ~extend));
     lower_q <= load ? ~bit_time_i[3:2] : lower_q + 2'd1;
-    if (load || lower_q == 2'd3) upper_q <= load ? ~bit_time_i[15:4] : next;
+    if (load || lower_q == 2'd3) upper_q <= load ? ~bit_time_i[U+3:4] : next;
     if (load) stb_q <= 1'b0;
     if (restart_i)  quarter_q <= 2'd0;
     else if (stb_q) quarter_q <= quarter_q + 2'd1;
@@ -62,6 +68,9 @@ module modbus_bit_clock #(
   assign bit_stb_o     = stb_q & (quarter_q == 2'd3);
 
   generate
+    if (U < 12) begin : gen_narrow
+      wire unused = ^bit_time_i[15:U+4];
+    end
     if (BIT_FRACTIONS == 0) begin : gen_whole
       wire unused = &{1'b0, fraction_i};
       assign long_bit = 1'b0;
@@ -103,7 +112,7 @@ module modbus_bit_clock #(
     if (quarter_stb_o) f_edge <= f_clock;
   end
 
-  always @* assume (bit_time_i >= 16'd8);
+  always @* assume (bit_time_i >= 16'd8 && bit_time_i <= MAX_BIT_TIME);
   always @(posedge clk_i) if (f_past) assume ($stable(bit_time_i) && $stable(fraction_i));
 
   wire [16:0] f_quarter = {3'd0, bit_time_i[15:2]};
@@ -112,6 +121,7 @@ module modbus_bit_clock #(
   wire [16:0] f_before = (quarter_q == 2'd0) ? 17'd0 : (quarter_q == 2'd1) ? f_quarter + long_bit :
                          (quarter_q == 2'd2) ? 2 * f_quarter + bit_time_i[1] + long_bit :
                                                3 * f_quarter + {15'd0, bit_time_i[1], 1'b0} + long_bit;
+  wire [13:0] f_count = ~bit_time_i[15:2] + (f_clock[13:0] - f_before[13:0]);
 
   always @(posedge clk_i) if (f_past && f_whole) begin
     assert (f_clock < f_length);
@@ -121,7 +131,7 @@ module modbus_bit_clock #(
     // What makes that hold from clock to clock
     if (!stb_q) begin
       assert (f_clock >= f_before);
-      assert ({upper_q, lower_q} == ~bit_time_i[15:2] + (f_clock[13:0] - f_before[13:0]));
+      assert ({upper_q, lower_q} == f_count[U+1:0]);
       assert (f_clock - f_before <= f_quarter);
     end
     if (stb_q) assert (f_clock - f_before + 17'd1 == f_quarter + {16'd0, extend});

@@ -21,6 +21,7 @@ module modbus_line #(
   parameter integer CLK_HZ     = 50000000,   // clk_i in hertz
   parameter integer T15_MIN_US = 750,        // floor of t1.5 in microseconds, 0: none
   parameter integer T35_MIN_US = 1750,       // floor of t3.5 in microseconds, 0: none
+  parameter integer MAX_BIT_TIME  = 65535,   // no MB_SET_BIT_TIME is above it
   parameter integer BIT_FRACTIONS = 0,       // 1: MB_SET_BIT_FRACTION counts
   parameter integer GLITCH_FILTER = 0        // clocks: a pulse on rxd_i that is not longer is not seen, 0..255
 ) (
@@ -58,6 +59,9 @@ module modbus_line #(
     if (CLK_HZ < 1000 || CLK_HZ > 1000000000) begin : gen_clock
       ERROR_modbus_CLK_HZ_from_1000_to_1000000000 illegal_parameter ();
     end
+    if (MAX_BIT_TIME < 8 || MAX_BIT_TIME > 65535) begin : gen_bit_time
+      ERROR_modbus_MAX_BIT_TIME_from_8_to_65535 illegal_parameter ();
+    end
     if (BIT_FRACTIONS < 0 || BIT_FRACTIONS > 1) begin : gen_fractions
       ERROR_modbus_BIT_FRACTIONS_is_0_or_1 illegal_parameter ();
     end
@@ -86,7 +90,7 @@ module modbus_line #(
 
   modbus_glitch_filter #(.CLOCKS(GLITCH_FILTER)) u_filter (.clk_i(clk_i), .level_i(rxd_sync), .level_o(rxd));
 
-  modbus_uart #(.BIT_FRACTIONS(BIT_FRACTIONS)) u_uart (
+  modbus_uart #(.MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS)) u_uart (
     .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .enable_i(~de_o), .rxd_i(rxd), .txd_o(txd_o), .idle_o(uart_idle),
     .receiving_o(receiving), .start_stb_o(start_stb), .char_stb_o(char_stb), .data_o(rx_byte_o),
@@ -108,7 +112,7 @@ module modbus_line #(
 
   // One wait counter: the waits of an answer follow the bank's.
   modbus_line_timer #(
-    .BIT_FRACTIONS(BIT_FRACTIONS), .T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)
+    .MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS), .T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS)
   ) u_line_timer (
     .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),

@@ -20,6 +20,7 @@
 `include "modbus_defs.vh"
 
 module modbus_line_timer #(
+  parameter integer MAX_BIT_TIME  = 65535,  // no bit_time_i is above it
   parameter integer BIT_FRACTIONS = 0,      // 1: fraction_i counts
   parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
   parameter integer T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
@@ -67,7 +68,7 @@ module modbus_line_timer #(
   reg        no_wait_q = 1'b1;
   always @(posedge clk_i) no_wait_q <= wait_clear_i;
 
-  modbus_bit_clock #(.BIT_FRACTIONS(BIT_FRACTIONS)) u_bit_clock (
+  modbus_bit_clock #(.MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS)) u_bit_clock (
     .clk_i(clk_i), .bit_time_i(bit_time_i), .fraction_i(fraction_i),
     .restart_i(rst_i | restart_i | sending_i | wait_stb_i | (receiving_i & no_wait_q)),
     .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)

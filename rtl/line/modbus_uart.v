@@ -30,6 +30,7 @@
 `include "modbus_defs.vh"
 
 module modbus_uart #(
+  parameter integer MAX_BIT_TIME  = 65535, // no bit_time_i is above it
   parameter integer BIT_FRACTIONS = 0  // 1: fraction_i counts
 ) (
   input  wire        clk_i,
@@ -98,7 +99,7 @@ module modbus_uart #(
   wire       begin_char, quarter_stb, bit_stb;
   wire [1:0] quarter;
 
-  modbus_bit_clock #(.BIT_FRACTIONS(BIT_FRACTIONS)) u_bit_clock (
+  modbus_bit_clock #(.MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS)) u_bit_clock (
     .clk_i(clk_i), .bit_time_i(bit_time_i), .fraction_i(fraction_i), .restart_i(begin_char | begin_stb_o),
     .quarter_stb_o(quarter_stb), .quarter_o(quarter), .bit_stb_o(bit_stb)
   );

@@ -164,6 +164,7 @@ package modbus_pkg is
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
+      MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
@@ -238,6 +239,7 @@ package modbus_pkg is
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
+      MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
@@ -293,6 +295,7 @@ package modbus_pkg is
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
+      MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";

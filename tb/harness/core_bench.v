@@ -76,7 +76,7 @@ module core_bench #(
   assign write_file_o  = grant_file_o;
 
   modbus_rtu_core #(
-    .FUNCTION_CODES(FUNCTION_CODES),
+    .FUNCTION_CODES(FUNCTION_CODES), .MAX_BIT_TIME(MAX_BIT_TIME),
 `include "modbus_config_inst.vh"
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),

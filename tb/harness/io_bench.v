@@ -31,7 +31,7 @@ module io_bench #(
 `include "modbus_table_codes.vh"
 
   core_bench #(
-    .FUNCTION_CODES(TABLE_CODES),
+    .FUNCTION_CODES(TABLE_CODES), .MAX_BIT_TIME(MAX_BIT_TIME),
 `include "modbus_config_inst.vh"
   ) u_bench (
 `include "flat_inst.vh"
