@@ -224,7 +224,7 @@ module modbus_engine #(
   always @(posedge clk_i) begin
     f_past    <= 1'b1;
     f_sending <= (sending_i | verdict_o[`MB_VERDICT_SEND]) & ~rst_i;
-    f_work    <= (f_work & ~f_ended) | f_frame | rst_i;
+    f_work    <= rst_i ? (HAS_DIAGNOSTICS != 0) : (f_work & ~f_ended) | f_frame;
     if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
       f_granted <= 1'b1;
       if (grant_write_o) f_write_granted <= 1'b1;
