@@ -50,6 +50,7 @@ SELECTION = [
     ("identity_01", None),
     ("identity_82", None),
     ("identity_small", None),
+    ("identity_above", "in_order"),
     ("fifo", None),
     ("user_port", None),
     ("core_files", "waits$|wait=0|refused|error|stall|longest|busy"),
