@@ -230,7 +230,8 @@ def record_text(record: dict) -> str:
     peers = [json.dumps(row) for row in record["peers"]["results"]]
     packages = json.dumps(record["peers"]["packages"])
     return (
-        f'{{\n  "tools": {tools},\n  "peers": {{"packages": {packages}, "results": [\n{lines(peers)}\n  ]}},\n  "results": [\n{lines(results)}\n  ],\n'
+        f'{{\n  "tools": {tools},\n  "peers": {{"packages": {packages}, "results": [\n{lines(peers)}\n  ]}},\n'
+        f'  "results": [\n{lines(results)}\n  ],\n'
         f'  "parts": {{\n{lines(parts)}\n  }},\n  "options": {{\n{lines(options)}\n  }}\n}}\n'
     )
 
