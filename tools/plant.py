@@ -30,7 +30,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from mistakes import MISTAKES
-from mistakes.selection import BUSES, COMPILED, MODULES_ALONE, SELECTION
+from mistakes.selection import BUSES, COMPILED, FIRST, MODULES_ALONE, SELECTION
 
 ROOT = Path(__file__).resolve().parents[1]
 TB = ROOT / "tb"
@@ -101,7 +101,8 @@ def judge(touched, remembered):
         failed = simulated(suite, f"{re.escape(test)}$", len(SELECTION), only_tests=True)
     elif suite == COMPILED:
         failed = compiled(dict(SELECTION)[COMPILED])
-    for number, (suite, part) in enumerate(SELECTION):
+    wanted = FIRST.get(touched, ())
+    for number, (suite, part) in sorted(enumerate(SELECTION), key=lambda one: one[1][0] not in wanted):
         if failed:
             break
         if concerns(suite, touched):
