@@ -18,7 +18,7 @@ USUAL = {
     "builds on gates": 2,
 }
 FULL = {
-    "random requests on the compiled slave": 300_000,
+    "random requests on the compiled slave": 100_000,
     "random requests on 32 compiled slaves": 3_000,
     "random requests in a simulator": 300,
     "random requests to the power meter": 60,
