@@ -261,12 +261,12 @@ ON_COMPILED = {
 # What Icarus, which takes three times as long, still plays of the suites above, for unknown levels; all with FULL=1.
 # suite: regular expression of the tests, or None for none
 KEPT_BY_ICARUS = {
-    "line_faults": "reset|breaks|defined|during_the_answer",
+    "line_faults": "after_reset|behind_reset|defined|during_the_answer",
     "speed": "jitter",
     "core_bus": "reset_releases|in_order|second_range",
     "options": "while_idle|host_port_reaches|needs_no_memory",
     "diagnostics_counters": "reset_clears|good_frame_counts",
-    "diagnostics_modes": "answers_at_once|sub_functions",
+    "diagnostics_modes": "answers_at_once",
     "line_faults_floors": None,
     "speed_floors": None,
     "options_timeout": None,
