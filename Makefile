@@ -28,11 +28,11 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tools/bootstrap.sh apt demo
-$(foreach set,demo test lint formal fpga ecp5 boards fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo test lint formal fpga ecp5 peers boards fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
-.PHONY: help demo serve quick test nightly lint formal synth bitstream waves mistakes fusesoc clean
+.PHONY: help demo serve quick test nightly lint formal synth peers bitstream waves mistakes fusesoc clean
 
 ##@ Use
 -include sim/live.mk
@@ -59,9 +59,12 @@ mistakes: $(call stamp,test)  ## plant deliberate mistakes in the RTL; the tests
 	@$(PY) tools/plant.py $${UPDATE:+--update} $${T:+"$$T"}
 
 ##@ Look
-synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md
+synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5)) $(if $(UPDATE),$(call stamp,peers))  ## size and speed; PROFILE= BANK= DEVICE= select, QUICK=1 FULL=1 OPTIONS=1 CHECK=1 UPDATE=1: docs/size.md
 	@$(PY) tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
 	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
+
+peers: $(call stamp,fpga) $(call stamp,ecp5) $(call stamp,peers)  ## other open cores and our profiles, measured in one run; QUICK=1 one seed
+	@$(PY) tools/synth.py --peers $${QUICK:+--quick} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"}
 
 bitstream: $(if $(BOARD),$(call stamp,boards))  ## a bitstream of the demonstration: BOARD=icebreaker hx8k ulx3s tangnano9k or all; UPDATE=1 the table
 	@[ -n "$${BOARD-}" ] || { echo "bitstream: BOARD=icebreaker, hx8k, ulx3s, tangnano9k or all" >&2; exit 2; }

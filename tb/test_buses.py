@@ -6,9 +6,10 @@ import re
 import shutil
 import subprocess
 
+import interface
 import pytest
 from harness.build import NO_FLOORS, REFERENCE
-from harness.runner import ROOT, expanded, run, source_of
+from harness.runner import ROOT, run, source_of
 
 MASTER, SLAVE, MAPPING = "bus_master_bench", "axil_slave_bench", "host_map_bench"
 MAPPED = {**NO_FLOORS, **REFERENCE}
@@ -62,10 +63,7 @@ WINDOW = 0x40000  # bytes of a table
 def test_parameters_are_those_of_the_rtl():
     """Names and defaults on the page; what stands there as one row is what other banks have too."""
     for module in ("modbus_axil_master", "modbus_axil_slave"):
-        text = expanded(source_of(module))
-        head = text[text.index(f"\nmodule {module} ") :]
-        head = head[: head.index(") (")]
-        declared = dict(re.findall(r"parameter\s+(?:integer|\[31:0\])\s+(\w+)\s*=\s*([\w']+)", head))
+        declared = interface.header(module)[0]
         page = PAGE.read_text(encoding="utf-8")
         table = page[page.index(f"\n`{module}`:") :].split("\n\n")[1]
         listed = dict(re.findall(r"^\| `(\w+)` \| ([\w']+) \|", table, re.M))

@@ -9,7 +9,7 @@ import test_modules
 import test_system
 from harness.runner import source_of
 from mistakes import MISTAKES
-from mistakes.selection import COMPILED, SELECTION
+from mistakes.selection import COMPILED, FIRST, SELECTION
 
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.name)
@@ -32,6 +32,7 @@ def test_names_differ():
 def test_what_is_tried_exists():
     suites = {*test_modules.MODULES, *test_system.SUITES, *test_buses.SUITES, COMPILED}
     assert {suite for suite, _ in SELECTION} <= suites
+    assert {suite for first in FIRST.values() for suite in first} <= {suite for suite, _ in SELECTION}
 
 
 def test_every_row_of_the_table_is_a_mistake():

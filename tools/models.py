@@ -28,7 +28,9 @@ HEADERS = ROOT / "sim"  # line.h, model.h and others for the C++ files
 CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
 PREFIX = "Vmodel"  # class and header of every model, whatever its top
 VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
-OPTIMISE = "-O3"  # of the model itself; twice as fast as -Os, Verilator's default
+COMPILE = ("g++", "-std=c++17", "-O3", "-fPIC", "-faligned-new", "-w", *(f"-DVM_{name}=0" for name in
+           ("COVERAGE", "SC", "TRACE", "TRACE_FST", "TRACE_VCD")))  # fmt: skip
+RUNTIME = ("verilated.cpp", "verilated_threads.cpp")  # of Verilator; the second in newer ones
 NEWER = "fronts"  # folder of the Verilator that cocotb needs; models of the system's run twice as fast
 
 
@@ -98,40 +100,54 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
 
 
 def _build(model: Model, folder: Path, target: Path) -> None:
-    """Verilog to C++, C++ to objects, objects and the wrapper to `target`."""
+    """Verilog to C++; that and the wrapper, as one text, which is half the work, to `target`."""
     program = verilator()
     _run(
         [
             program,
             *VERILATE.split()[1:],
-            *("--top-module", model.top, "--prefix", PREFIX, "--Mdir", str(folder), "-CFLAGS", "-fPIC"),
+            *("--top-module", model.top, "--prefix", PREFIX, "--Mdir", str(folder)),
             *(f"-I{place}" for place in model.folders),
             *(f"-G{name}={value}" for name, value in model.parameters.items()),
             *map(str, model.files),
         ],
         folder,
     )
-    objects = [f"{PREFIX}__ALL.a", "verilated.o"]
-    if "verilated_threads" in (folder / f"{PREFIX}_classes.mk").read_text(encoding="utf-8"):  # newer Verilators
-        objects.append("verilated_threads.o")
-    _run(["make", "-j2", "-C", str(folder), "-f", f"{PREFIX}.mk", f"OPT_FAST={OPTIMISE}", *objects], folder)
-    root = _run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()
+    runtime = Path(_run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()) / "include"
+    texts = [*sorted(folder.glob("*.cpp")), model.wrapper.resolve()]
+    unit = folder / "unit.cc"
+    unit.write_text("".join(f'#include "{path}"\n' for path in texts), encoding="utf-8")
+    places = (folder, HEADERS, runtime, runtime / "vltstd")
     _run(
         [
-            *("g++", "-std=c++17", "-O2", "-fPIC", *(["-shared"] if model.shared else [])),
+            *COMPILE,
+            *(["-shared"] if model.shared else []),
             *(f"-D{name}={value}" for name, value in model.defines.items()),
-            *(f"-I{place}" for place in (folder, HEADERS, f"{root}/include", f"{root}/include/vltstd")),
-            *(str(model.wrapper), *(str(folder / name) for name in objects), "-o", str(target), "-pthread"),
+            *(f"-I{place}" for place in places),
+            *(str(unit), *_runtime(runtime, folder), "-o", str(target), "-pthread"),
         ],
         folder,
     )
 
 
+def _runtime(include: Path, folder: Path) -> list[str]:
+    """Verilator's own objects, compiled once for all models beside `folder`."""
+    texts = [include / name for name in RUNTIME if (include / name).exists()]
+    key = hashlib.sha256(b"".join(path.read_bytes() for path in texts) + " ".join(COMPILE).encode()).hexdigest()[:16]
+    made = [folder.parent / f"runtime_{key}_{path.stem}.o" for path in texts]
+    with open(folder.parent / f"runtime_{key}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        for text, target in zip(texts, made, strict=True):
+            if not target.exists():
+                fresh = folder / target.name
+                _run([*COMPILE, f"-I{include}", f"-I{include / 'vltstd'}", "-c", str(text), "-o", str(fresh)], folder)
+                os.replace(fresh, target)
+    return [str(path) for path in made]
+
+
 def _run(command: list[str], folder: Path) -> str:
     """Output of a command, which ends with us; BuildError if it fails. All that is said is in build.log."""
     environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
-    if shutil.which("ccache"):
-        environment.setdefault("OBJCACHE", "ccache")
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     try:
         process = subprocess.Popen(command, env=environment, start_new_session=True, **pipes)

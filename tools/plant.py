@@ -5,13 +5,14 @@
 
     plant.py              all of them
     plant.py crc          those whose name contains `crc`
-    plant.py --update ... puts what was seen into docs/mistakes.md
+    plant.py --missing    those that docs/mistakes.md does not name
+    plant.py --update ... puts what was seen into docs/mistakes.md, each at once
 
 A mistake (tools/mistakes/) is a search and replace in one file; a pattern that is not found exactly once stops the
 run, so a mistake cannot silently become none.  Each copy first meets the test that caught the mistake the last time,
 by docs/mistakes.md; if that passes, the same fast selection of the regression as all others, in the same order, until
-something fails.  The untouched RTL must pass the whole selection.  Exit status 0 only if it does, every mistake is
-caught, and the table names all of them; 2 for a name that no mistake has.
+something fails.  At the end the untouched RTL must pass every test that has caught a mistake.  Exit status 0 only if
+it does, every mistake is caught, and the table names all of them; 2 for a name that no mistake has.
 """
 
 import argparse
@@ -29,7 +30,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from mistakes import MISTAKES
-from mistakes.selection import BUSES, COMPILED, MODULES_ALONE, SELECTION
+from mistakes.selection import BUSES, COMPILED, FIRST, MODULES_ALONE, SELECTION
 
 ROOT = Path(__file__).resolve().parents[1]
 TB = ROOT / "tb"
@@ -39,6 +40,7 @@ TABLE = ROOT / "docs" / "mistakes.md"
 WORKERS = min(2, os.cpu_count() or 1)
 TIMEOUT_SECONDS = 900
 ROW = re.compile(r"^\| (\w+) \| `([\w.]+)` \| (?:`(\w+): ([^`]+)`(?: and \d+ more)?|random traffic|(.*)) \|$", re.M)
+TEST = re.compile(r"[\w/=.+,-]+")  # the name of a cocotb test
 HEAD = """# Deliberate mistakes
 
 `make mistakes UPDATE=1` writes this table. It plants each mistake of [`tools/mistakes/`](../tools/mistakes) in a copy
@@ -88,26 +90,35 @@ def concerns(suite, file):
     return file in MODULES_ALONE.get(suite, (file,))
 
 
-def judge(touched, places, remembered):
+def judge(touched, remembered):
     """Run parts of the selection until a test fails; print what failed as JSON.
 
-    `touched`: the file that the mistake is in, or "" for every part that `places` names; `remembered`: "suite: test"
-    to begin with, or "".
+    `touched`: the file that the mistake is in; `remembered`: "suite: test" to begin with, or "".
     """
-    sys.path[:0] = [str(TB), str(ROOT / "tools")]
-    os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
     failed = []
     suite, _, test = remembered.partition(": ")
     if test:
         failed = simulated(suite, f"{re.escape(test)}$", len(SELECTION), only_tests=True)
     elif suite == COMPILED:
         failed = compiled(dict(SELECTION)[COMPILED])
-    for number in places:
+    wanted = FIRST.get(touched, ())
+    for number, (suite, part) in sorted(enumerate(SELECTION), key=lambda one: one[1][0] not in wanted):
         if failed:
             break
-        suite, part = SELECTION[number]
-        if not touched or concerns(suite, touched):
+        if concerns(suite, touched):
             failed = compiled(part) if suite == COMPILED else simulated(suite, part, number)
+    print(json.dumps(failed))
+
+
+def judge_untouched(tests):
+    """Run these tests, {suite: names, or none for all of it}, without a mistake; print what failed as JSON."""
+    failed = []
+    for suite, names in tests.items():
+        if suite == COMPILED:
+            failed += compiled(dict(SELECTION)[COMPILED])
+        else:
+            only = f"({'|'.join(map(re.escape, names))})$" if names else None
+            failed += simulated(suite, only, len(SELECTION))
     print(json.dumps(failed))
 
 
@@ -171,19 +182,18 @@ def compiled(count):
 # ------------------------------------------------------------------ in the process that was started
 
 
-def judged(name, touched, places, remembered=""):
-    """(failed tests, or None for an accident; seconds) of the copy `name`."""
+def judged(name, *task):
+    """(failed tests, or None for an accident; seconds) of the copy `name`; `task` are the arguments of a judge."""
     folder = WORK / name
     places_of = {"TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build")}
     env = {**os.environ, **places_of, "COCOTB_LOG_LEVEL": "ERROR"}
     for variable in ("WAVES", "CASE", "FULL"):
         env.pop(variable, None)
     begun = time.monotonic()
-    task = json.dumps([touched, places, remembered])
     with (folder / "log").open("a", encoding="utf-8") as messages:
         try:
             done = subprocess.run(
-                [sys.executable, __file__, "--judge", task],
+                [sys.executable, __file__, "--judge", json.dumps(task)],
                 env=env,
                 stdout=subprocess.PIPE,
                 stderr=messages,
@@ -202,17 +212,27 @@ def run_one(mistake, known):
     (WORK / mistake.name / "log").unlink(missing_ok=True)
     suite, test = known.get(mistake.name, (None, ""))
     remembered = "" if suite is None else f"{suite}: {test}" if suite else COMPILED
-    failed, seconds = judged(mistake.name, mistake.file, list(range(len(SELECTION))), remembered)
+    failed, seconds = judged(mistake.name, mistake.file, remembered)
     shutil.rmtree(WORK / mistake.name / "build", ignore_errors=True)
     return failed, seconds
 
 
-def untouched(pool):
-    """What fails of the selection without a mistake."""
+def caught_by(rows):
+    """{suite: names of the tests that caught a mistake}; no names where an accident did, such as a time-out."""
+    tests = {}
+    for found in map(ROW.fullmatch, rows):
+        suite, test = (found[3], found[4]) if found[3] else (COMPILED, "")
+        names = tests.setdefault(suite, set())
+        names.add(test if TEST.fullmatch(test) else "")
+    return {suite: [] if "" in names else sorted(names) for suite, names in tests.items()}
+
+
+def untouched(pool, tests):
+    """(what fails of these tests without a mistake, seconds)."""
     planted(None, WORK / "untouched" / "tree")
     (WORK / "untouched" / "log").unlink(missing_ok=True)
-    halves = [list(range(start, len(SELECTION), WORKERS)) for start in range(WORKERS)]
-    results = list(pool.map(lambda places: judged("untouched", "", places), halves))
+    shares = [dict(list(tests.items())[start::WORKERS]) for start in range(WORKERS)]
+    results = list(pool.map(lambda share: judged("untouched", share), shares))
     if any(failed is None for failed, _ in results):
         return ["did not run, see build/mistakes/untouched/log"], results[0][1]
     return [test for failed, _ in results for test in failed], max(seconds for _, seconds in results)
@@ -229,9 +249,14 @@ def main():
     """Run the mistakes that were asked for; the exit status."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("part", nargs="?", default="", help="in the names of those that are planted; all when absent")
+    parser.add_argument("--missing", action="store_true", help="only those that docs/mistakes.md does not name")
     parser.add_argument("--update", action="store_true", help="write docs/mistakes.md")
     options = parser.parse_args()
-    chosen = [m for m in MISTAKES if options.part in m.name]
+    known, rows, missed, failed = read_table(), {}, [], []
+    chosen = [m for m in MISTAKES if options.part in m.name and not (options.missing and m.name in known)]
+    if not chosen and options.missing:
+        print("docs/mistakes.md names every mistake")
+        return 0
     if not chosen:
         print(f"mistakes: T={options.part}: no mistake has this in its name", file=sys.stderr)
         return 2
@@ -243,32 +268,33 @@ def main():
         sys.exit("another `make mistakes` is running in this checkout")
     for mistake in chosen:  # patterns first: a stale one shall not cost minutes
         planted(mistake, WORK / mistake.name / "tree")
-    known, rows, missed = read_table(), {}, []
     with ThreadPoolExecutor(WORKERS) as pool:
-        failed, seconds = untouched(pool)
-        print(f"untouched: {f'FAILS: {failed}' if failed else 'passes'} ({seconds:.0f} s)", flush=True)
-        if failed:
-            return 1
         waiting = {pool.submit(run_one, mistake, known): mistake for mistake in chosen}
         for done in as_completed(waiting):
-            mistake, (failed, seconds) = waiting[done], done.result()
-            if failed:
-                rows[mistake.name] = row(mistake, failed)
+            mistake, (seen, seconds) = waiting[done], done.result()
+            if seen:
+                rows[mistake.name] = row(mistake, seen)
+                if options.update:
+                    update({mistake.name: rows[mistake.name]})
             else:
                 missed.append(mistake.name)
-            said = failed[0] if failed else "NOT CAUGHT" if failed == [] else "did not run, see its log"
+            said = seen[0] if seen else "NOT CAUGHT" if seen == [] else "did not run, see its log"
             print(f"{mistake.name}: {said} ({seconds:.0f} s)", flush=True)
-    if options.update:
-        update(rows)
+        if rows:
+            failed, seconds = untouched(pool, caught_by(rows.values()))
+            print(f"untouched: {f'FAILS: {failed}' if failed else 'passes'} ({seconds:.0f} s)", flush=True)
     absent = sorted({m.name for m in MISTAKES} - set(read_table()))
     if absent and not options.part:
         print(f"docs/mistakes.md lacks {len(absent)}: make mistakes UPDATE=1")
     print(f"{len(chosen) - len(missed)} of {len(chosen)} mistakes caught")
-    return 1 if missed or (absent and not options.part) else 0
+    return 1 if missed or failed or (absent and not options.part) else 0
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--judge"]:
-        judge(*json.loads(sys.argv[2]))
+        sys.path[:0] = [str(TB), str(ROOT / "tools")]
+        os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
+        given = json.loads(sys.argv[2])
+        judge_untouched(*given) if isinstance(given[0], dict) else judge(*given)
     else:
         sys.exit(main())

@@ -10,6 +10,7 @@
     synth.py --documents                      only the documents, from docs/size.json
     synth.py --check                          the iCE40 HX8K against docs/size.json
     synth.py --options                        what each option costs
+    synth.py --peers                          other cores and the profiles, in one run of one flow
     synth.py --top modbus_crc16 [-P NAME=VALUE ...] [--quick]   one module, with the cells of each part
 
 How a design is measured stands in synth_flow.py, what the figures mean in docs/size.md.  --quick is one
@@ -28,6 +29,7 @@ from concurrent.futures import ThreadPoolExecutor
 import synth_report as report
 from synth_devices import DEVICES
 from synth_flow import OUT, SEEDS, Design, ToolError, bank_design, measure, parts, ports_of, tool_versions
+from synth_peers import DEVICES_OF_PEERS, PEERS, design_of, versions
 from synth_profiles import PROFILES, SHOWN, option_designs
 
 from common import DROP_INS, ROOT
@@ -144,6 +146,20 @@ def option_rows(workers: int) -> dict[str, dict]:
     return dict(in_parallel(job, jobs, workers))
 
 
+def peer_rows(seeds: tuple[int, ...], workers: int) -> dict:
+    """What docs/size.json has of the peers: packages, and a row per peer and device."""
+
+    def job(number: int, name: str, device: str) -> dict:
+        design, work = design_of(PEERS[name]), OUT / f"peer{number}"
+        family = work / DEVICES[device].family
+        row = measure(design, ports_of(design, family), [device], seeds, family, full=True)[device]
+        show(f"{name}, {device}", row)
+        return {"peer": name, "device": device, **row}
+
+    jobs = [(number, name, device) for number, name in enumerate(PEERS) for device in DEVICES_OF_PEERS]
+    return {"packages": versions(), "results": in_parallel(job, jobs, workers)}
+
+
 def check(options: argparse.Namespace) -> int:
     """Compare the HX8K's sizes with the record; 1 if one has grown too much."""
     recorded = report.read_record()["results"]
@@ -182,6 +198,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--documents", action="store_true", help="instead: write the documents from docs/size.json")
     parser.add_argument("--check", action="store_true", help="instead: compare the HX8K with docs/size.json")
     parser.add_argument("--options", action="store_true", help="instead: what each option costs")
+    parser.add_argument("--peers", action="store_true", help="instead: other cores beside the profiles")
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="at a time (the processors)")
     options = parser.parse_args()
     options.parameter = pairs(options.parameter, "-P")
@@ -189,13 +206,15 @@ def arguments() -> argparse.Namespace:
     options.some = bool(options.profile or options.bank or options.device or options.parameter or options.tie)
     if options.update:
         options.options = False  # UPDATE=1 has them too
-    modes = [name for name in ("top", "update", "documents", "check", "options") if getattr(options, name)]
+    modes = [name for name in ("top", "update", "documents", "check", "options", "peers") if getattr(options, name)]
     if len(modes) > 1:
         raise UsageError(f"{' and '.join(modes)} do not go together")
     if options.update and (options.some or options.quick):
         raise UsageError("UPDATE=1 measures everything: it goes without PROFILE, BANK, DEVICE and QUICK")
     if options.check and options.device:
         raise UsageError(f"the size check is of the {HX8K}: it goes without DEVICE")
+    if options.peers and options.device:
+        raise UsageError(f"the peers are measured on {' and '.join(DEVICES_OF_PEERS)}: it goes without DEVICE")
     if options.top and (options.profile or options.bank):
         raise UsageError("--top goes without a profile")
     if options.jobs < 1:
@@ -210,10 +229,11 @@ def main() -> int:
     if options.documents:
         report.write_documents(report.read_record())
         return 0
-    full = options.full or options.update
+    full = options.full or options.update or options.peers
     quick = options.quick or options.check
     seeds = SEEDS[:1] if quick else SEEDS
-    devices = chosen(options.device or ([HX8K] if quick else None), list(DEVICES), "DEVICE")
+    usual = list(DEVICES_OF_PEERS) if options.peers else [HX8K] if quick else None
+    devices = chosen(options.device or usual, list(DEVICES), "DEVICE")
     if options.check:
         return check(options)
     if options.top:
@@ -232,12 +252,17 @@ def main() -> int:
         return 0
 
     results, pieces = profile_rows(options, devices, seeds, full)
+    if options.peers:
+        print("\n" + report.peers_table(peer_rows(seeds, options.jobs), results, tools))
+        return 0
     print("\n" + report.size_table(results, tools))
     if not options.some and not quick:
         (ROOT / "build/synth.json").write_text(json.dumps({"tools": tools, "results": results}, indent=2) + "\n")
         print("\nfigures in build/synth.json")
     if options.update:
-        record = {"tools": tools, "results": results, "parts": pieces, "options": option_rows(options.jobs)}
+        peers = peer_rows(seeds, options.jobs)
+        record = {"tools": tools, "peers": peers, "results": results, "parts": pieces}
+        record["options"] = option_rows(options.jobs)
         report.write_documents(record)
     return 0
 

@@ -31,18 +31,22 @@ from common import BENCHES, DROP_INS, ROOT, ToolError, bench_files, include_opti
 
 OUT = Path("build/synth")  # relative: the YoWASP tools cannot see every absolute path
 SEEDS = (1, 2, 3)
-DIRECT = re.compile(r"^(clk|rst|rxd)(_i)?$")  # inputs that stay pins
+DIRECT = re.compile(r"^(clk|rst|rxd)(_i)?$|^(i_rst|resetn|ser_rx)$")  # inputs that stay pins
 FOLDED = "fold_o"
 
 
 @dataclass(frozen=True)
 class Design:
-    """A module with its parameters and its constant inputs; `left_open`: outputs of no use stay open."""
+    """A module with its parameters and its constant inputs.
+
+    `left_open`: outputs of no use stay open; `sources`: its files, for a module that is not of this core.
+    """
 
     top: str
     parameters: dict[str, str] = member(default_factory=dict)
     ties: dict[str, int] = member(default_factory=dict)
     left_open: bool = False
+    sources: tuple[str, ...] = ()
 
 
 def bank_design(bank: str, parameters: dict[str, str], ties: dict[str, int]) -> Design:
@@ -65,16 +69,18 @@ def read_json(path: Path) -> dict:
 # --- the wrapper ----------------------------------------------------------------------------------
 
 
-def read_commands(top: str) -> tuple[list[str], str]:
+def read_commands(design: Design) -> tuple[list[str], str]:
     """Yosys commands that read the design, and the option that finds the rest of it.
 
     The drop-ins are read by the file list.  A single module is read alone and Yosys looks for what it
     instantiates, so it can be measured while other files are still being written.
     """
-    if top in DROP_INS.values():
+    if design.sources:
+        return [f"read_verilog {' '.join(design.sources)}"], ""
+    if design.top in DROP_INS.values():
         return [f"read_verilog {' '.join([*include_options(), f'-I{BENCHES}', *rtl_files(), *bench_files()])}"], ""
     folders = " ".join(f"-libdir {folder}" for folder in sorted({str(Path(name).parent) for name in rtl_files()}))
-    return [f"read_verilog {' '.join(include_options())} {source_of(top)}"], folders
+    return [f"read_verilog {' '.join(include_options())} {source_of(design.top)}"], folders
 
 
 def chparam_value(value: str) -> str:
@@ -85,7 +91,7 @@ def chparam_value(value: str) -> str:
 def ports_of(design: Design, work: Path) -> dict[str, tuple[str, int]]:
     """{port: (direction, width)} of the design."""
     (ROOT / work).mkdir(parents=True, exist_ok=True)
-    reads, libdir = read_commands(design.top)
+    reads, libdir = read_commands(design)
     chparam = " ".join(f"-chparam {k} {chparam_value(v)}" for k, v in design.parameters.items())
     whole = f"hierarchy {libdir} -top {design.top} {chparam}"
     # The top alone: the ports of a thousand constants below it are of no interest.
@@ -174,7 +180,7 @@ def synthesise(design: Design, ports: dict, family: Family, work: Path) -> tuple
     (ROOT / work).mkdir(parents=True, exist_ok=True)
     text, shifted = wrapper(design, ports, family.shifted)
     (ROOT / work / "synth_top.v").write_text(text)
-    reads, libdir = read_commands(design.top)
+    reads, libdir = read_commands(design)
     yosys(
         [
             *reads,

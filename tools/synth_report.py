@@ -2,7 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """What is made of the figures: tables for the documents, a picture, the record docs/size.json and its check.
 
-The record is a dictionary: `tools` (versions and flows), `results` (one row per profile, bank and device),
+The record is a dictionary: `tools` (versions and flows), `peers` (`packages` and their versions, `results` with one
+row per peer and device), `results` (one row per profile, bank and device),
 `parts` ({"profile/bank": {module: counts}}) and `options` ({option: {"lc", "ram"}}, "" is the whole core).
 Everything here works on that dictionary alone; nothing runs a tool.
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 import json
 
 from synth_devices import DEVICES, FAMILIES
+from synth_peers import DEVICES_OF_PEERS, PEERS
 from synth_profiles import OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, USER_OPTION
 
 from common import ROOT, source_of
@@ -26,6 +28,7 @@ MARKS = {  # table -> what stands before and after it
     "readme": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "options": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "parts": ("<!-- parts table begin -->", "<!-- parts table end -->"),
+    "peers": ("<!-- peers table begin -->", "<!-- peers table end -->"),
 }
 
 
@@ -38,7 +41,11 @@ class ReportError(RuntimeError):
 
 def row_of(results: list[dict], profile: str, bank: str, device: str) -> dict | None:
     """The row of a profile, bank and device, None if it was not measured."""
-    its = {"profile": profile, "bank": bank, "device": device}
+    return row_with(results, profile=profile, bank=bank, device=device)
+
+
+def row_with(results: list[dict], **its: str) -> dict | None:
+    """The row with these fields, None if there is none."""
     return next((row for row in results if {key: row[key] for key in its} == its), None)
 
 
@@ -56,14 +63,24 @@ def tools_line(tools: dict) -> str:
     return ", ".join([f"Yosys {tools['yosys']}", *routers])
 
 
+def column_head(device: str, timed: bool) -> str:
+    """What stands above a device's column."""
+    unit = f"{FAMILIES[DEVICES[device].family].cells} / RAM{' / MHz' if timed else ''}"
+    return f"{DEVICES[device].title}: {unit}"
+
+
+def median_line(tools: dict) -> str:
+    """Which seeds a speed is of."""
+    seeds = tools["seeds"]
+    which = f"median of seeds {', '.join(map(str, seeds))}" if len(seeds) > 1 else f"seed {seeds[0]}"
+    return f"{tools_line(tools)}; MHz after place and route, {which}."
+
+
 def size_table(results: list[dict], tools: dict) -> str:
     """The rows as a markdown table, a line per profile and bank, with what the columns are below it."""
     devices = [name for name in DEVICES if any(row["device"] == name for row in results)]
     timed = {row["device"] for row in results if row["fmax_mhz"] is not None}
-    heads = []
-    for name in devices:
-        unit = f"{FAMILIES[DEVICES[name].family].cells} / RAM{' / MHz' if name in timed else ''}"
-        heads.append(f"{DEVICES[name].title}: {unit}")
+    heads = [column_head(name, name in timed) for name in devices]
     lines = ["| Profile | Bank | " + " | ".join(heads) + " |", "|---|---|" + "---:|" * len(heads)]
     for profile, banks in PROFILES.items():
         for bank in banks:
@@ -72,10 +89,28 @@ def size_table(results: list[dict], tools: dict) -> str:
                 lines.append(f"| `{profile}` | {bank} | " + " | ".join(cell(row) for row in rows) + " |")
     shown = [profile for profile in PROFILES if any(row["profile"] == profile for row in results)]
     lines += ["", *(f"- `{profile}`: {PROFILE_NOTES[profile]}" for profile in shown)]
-    seeds = tools["seeds"]
-    median = f"median of seeds {', '.join(map(str, seeds))}" if len(seeds) > 1 else f"seed {seeds[0]}"
-    lines += ["", f"{tools_line(tools)}; MHz after place and route, {median}. Made by `make synth`."]
+    lines += ["", f"{median_line(tools)} Made by `make synth`; `make peers` measures other cores the same way."]
     return "\n".join(lines)
+
+
+def peers_table(peers: dict, results: list[dict], tools: dict) -> str:
+    """The peers and the profiles of `results` as a markdown table."""
+    heads = [column_head(device, True) for device in DEVICES_OF_PEERS]
+    lines = ["| Core | Is | " + " | ".join(heads) + " |", "|---|---|" + "---:|" * len(heads)]
+
+    def line(name: str, note: str, its: dict[str, dict | None]) -> str:
+        return f"| {name} | {note} | " + " | ".join(cell(its[device]) for device in DEVICES_OF_PEERS) + " |"
+
+    for name, peer in PEERS.items():
+        its = {device: row_with(peers["results"], peer=name, device=device) for device in DEVICES_OF_PEERS}
+        lines.append(line(name, peer.note, its))
+    for profile, banks in PROFILES.items():
+        for bank in banks:
+            its = {device: row_of(results, profile, bank, device) for device in DEVICES_OF_PEERS}
+            if any(its.values()):
+                lines.append(line(f"`{profile}`, {bank}", PROFILE_NOTES[profile], its))
+    packages = ", ".join(f"{name} {version}" for name, version in peers["packages"].items())
+    return "\n".join([*lines, "", f"{packages}; {median_line(tools)} Made by `make peers`."])
 
 
 def options_table(options: dict[str, dict], tools: dict) -> str:
@@ -192,8 +227,11 @@ def record_text(record: dict) -> str:
         inner = ",\n".join(f"      {json.dumps(name)}: {json.dumps(row)}" for name, row in modules.items())
         parts.append(f"{json.dumps(design)}: {{\n{inner}\n    }}")
     tools = json.dumps(record["tools"], indent=2).replace("\n", "\n  ")
+    peers = [json.dumps(row) for row in record["peers"]["results"]]
+    packages = json.dumps(record["peers"]["packages"])
     return (
-        f'{{\n  "tools": {tools},\n  "results": [\n{lines(results)}\n  ],\n'
+        f'{{\n  "tools": {tools},\n  "peers": {{"packages": {packages}, "results": [\n{lines(peers)}\n  ]}},\n'
+        f'  "results": [\n{lines(results)}\n  ],\n'
         f'  "parts": {{\n{lines(parts)}\n  }},\n  "options": {{\n{lines(options)}\n  }}\n}}\n'
     )
 
@@ -212,6 +250,7 @@ def documents(record: dict) -> dict:
     readme = placed(readme, size_table(record["results"], tools), "readme")
     page = placed(page, options_table(record["options"], tools), "options")
     page = placed(page, parts_table(record["parts"], tools), "parts")
+    page = placed(page, peers_table(record["peers"], record["results"], tools), "peers")
     return {RECORD: record_text(record), README: readme, PAGE: page, CHART: chart(record["parts"])}
 
 

@@ -7,6 +7,7 @@ import os
 import cocotb
 from cocotb.triggers import RisingEdge
 from harness.bench import PARAMETERS, Bench
+from harness.volume import volume
 from protocol import frames
 from protocol.defs import EX, F8N1, F8O1, FC, Space, Sub
 
@@ -168,13 +169,14 @@ async def reading_never_disturbs_the_line(dut):
             assert await tb.cpu.read(H, 60) == 0
 
     task = cocotb.start_soon(reader())
-    for number in range(8):
+    requests = volume("requests beside a reading CPU")
+    for number in range(requests):
         await tb.both(frames.adu(OWN, frames.write_registers(0, [number] * 20)), timing=False)
         await tb.both(frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 20)), timing=False)
     stop.append(True)
     await task
     await tb.compare_counters("beside the CPU")
-    assert len(reads) > 50
+    assert len(reads) > 6 * requests
 
 
 @cocotb.test(skip=not (MAP and WRITES), **LIMIT)

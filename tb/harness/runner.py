@@ -11,7 +11,6 @@ import fcntl
 import hashlib
 import json
 import os
-import re
 import resource
 import shutil
 import subprocess
@@ -48,24 +47,6 @@ def source_of(name):
     files, folders = sources()
     files += [path for folder in folders for path in folder.glob("*.vh")]
     return next(path for path in files if name in (path.stem, path.name))
-
-
-def expanded(path):
-    """The text of a Verilog file with its include files in their places and its plain macros replaced.
-
-    Conditions of the preprocessor stay; of two definitions of a macro the first counts, as under `ifndef.
-    """
-    folders = sources()[1]
-
-    def included(match):
-        return read(next(folder / match[1] for folder in folders if (folder / match[1]).exists()))
-
-    def read(file):
-        return re.sub(r'^`include "([^"]+)".*$', included, file.read_text(encoding="utf-8"), flags=re.M)
-
-    text = read(path)
-    macros = dict(re.findall(r"^`define (\w+) (\S+)$", text, re.M)[::-1])
-    return re.sub(r"(?<!define )(?<!undef )(?<!ifndef )`(\w+)", lambda m: macros.get(m[1], m[0]), text)
 
 
 def fresh_verilator():

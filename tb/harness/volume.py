@@ -5,18 +5,26 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 15_000,
-    "random requests on 32 compiled slaves": 300,
-    "random requests in a simulator": 80,
+    "random requests on the compiled slave": 5_000,
+    "random requests on 32 compiled slaves": 150,
+    "random requests in a simulator": 40,
+    "random requests to the power meter": 20,
+    "random writes to overlaid tables": 6,
+    "blocks rewritten beside a reading CPU": 5,
+    "requests beside a reading CPU": 3,
     "slaves on one line in a simulator": 4,
     "requests to them": 6,
     "suites on gates": 0,
     "builds on gates": 2,
 }
 FULL = {
-    "random requests on the compiled slave": 300_000,
+    "random requests on the compiled slave": 100_000,
     "random requests on 32 compiled slaves": 3_000,
     "random requests in a simulator": 300,
+    "random requests to the power meter": 60,
+    "random writes to overlaid tables": 16,
+    "blocks rewritten beside a reading CPU": 12,
+    "requests beside a reading CPU": 8,
     "slaves on one line in a simulator": 8,
     "requests to them": 20,
     "suites on gates": 6,

@@ -4,6 +4,7 @@
 
 import cocotb
 from harness.bench import Bench
+from harness.volume import volume
 from protocol import frames
 from protocol.defs import FC, Space
 from protocol.model import REGISTER_BITS
@@ -29,7 +30,7 @@ async def bits_and_registers_are_the_same_memory(dut):
     free = count - tb.slave.config.read_only[1] - 1  # the read-only registers stand near the end
     await ask(tb, frames.write_registers(register, [tb.rng.getrandbits(16) for _ in range(free)]))
     await ask(tb, frames.read(FC.READ_INPUTS, span(tb, Space.INPUTS)[0], count))
-    for _ in range(16):
+    for _ in range(volume("random writes to overlaid tables")):
         quantity = tb.rng.randint(1, 40)
         place = tb.rng.randint(0, free * REGISTER_BITS - quantity)
         bits = [tb.rng.getrandbits(1) for _ in range(quantity)]

@@ -7,6 +7,7 @@ import dataclasses
 import cocotb
 from cocotb.triggers import RisingEdge, Timer, with_timeout
 from harness.bench import CLOCK_PS, PARAMETERS, Bench
+from harness.volume import volume
 from protocol import frames, vectors
 from protocol.defs import EX, FC, Limits, Space
 from protocol.model import Config, Slave
@@ -340,7 +341,7 @@ async def random_requests_and_events(dut):
     tb = await Meter.start(dut, address=OWN)
     rng = tb.rng
     edges = (0, RECORD_REGISTER, SETTINGS, REGISTERS)
-    for _ in range(60):
+    for _ in range(volume("random requests to the power meter")):
         code = rng.choice(sorted(CODES))
         address = max(0, rng.choice(edges) + rng.randint(-2, 2))
         quantity = rng.choice((1, 1, 1, 2, 3, MOST_READ, MOST_READ + 1))

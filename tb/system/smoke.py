@@ -37,7 +37,7 @@ def sensible(tb, code):
         FC.READ_FILE: frames.read_files((1, 0, 2), (2, 3, 1)),
         FC.WRITE_FILE: frames.write_files((1, 0, [word, 1]), (2, 3, [word])),
         FC.MASK_WRITE: frames.mask_write(register, 0xF0F0, word),
-        FC.READ_WRITE: frames.read_write(register, 2, register + 1, [word, 7]),
+        FC.READ_WRITE: frames.read_write(register, 2, register + 1, [word, 3]),
         FC.READ_FIFO: frames.read_fifo(register + 2),
         FC.READ_DEVICE_ID: frames.device_identification(1),
     }.get(code, frames.bare(code))

@@ -52,6 +52,7 @@ SELECTION = [
     ("identity_01", None),
     ("identity_82", None),
     ("identity_small", None),
+    ("identity_above", "in_order"),
     ("fifo", None),
     ("user_port", None),
     ("core_files", "waits$|wait=0|refused|error|stall|longest|busy"),
@@ -60,3 +61,14 @@ SELECTION = [
     ("files", None),
     *((suite, None) for suite in BUSES),
 ]
+# What is tried first for a mistake in a file, since it is about that file.
+IDENTITY = ("identity_small", "identity_above", "identity_01", "identity_82")
+FIRST = {
+    "modbus_identity.v": IDENTITY,
+    "modbus_routines_identity.vh": IDENTITY,
+    "modbus_routines_files.vh": ("files", "core_files", "fifo"),
+    "modbus_routines_diagnostics.vh": ("diagnostics_modes", "diagnostics_counters"),
+    "modbus_diagnostics.v": ("diagnostics", "diagnostics_counters", "diagnostics_modes"),
+    "modbus_bank_guard.v": ("bank_guard", "functions_mapped"),
+    "modbus_bank_ram.v": ("functions_mapped", "files", "options"),
+}
