@@ -34,6 +34,7 @@
 #define MODBUS_STATUS(n)   MODBUS_WORD_(MODBUS_CORE, n) /* 0x00 diagnostic register, 0x0A..0x12 counters, 0x40 + n log */
 #define MODBUS_ADDRESS     MODBUS_WORD_(MODBUS_CORE, 0x80u)
 #define MODBUS_BIT_TIME    MODBUS_WORD_(MODBUS_CORE, 0x81u)
+#define MODBUS_BIT_FRACTION MODBUS_WORD_(MODBUS_CORE, 0x87u) /* with BIT_FRACTIONS = 1; set it with MODBUS_BIT_TIME */
 #define MODBUS_FORMAT      MODBUS_WORD_(MODBUS_CORE, 0x82u)
 #define MODBUS_EXCEPTION_STATUS MODBUS_WORD_(MODBUS_CORE, 0x89u)
 #define MODBUS_IDLE        MODBUS_WORD_(MODBUS_CORE, 0x8Cu) /* 1: the line is idle, rate and format may change */

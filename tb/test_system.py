@@ -98,6 +98,8 @@ SET = {
     "DE_LEAD": 3,
     "DE_TAIL": 2,
 }
+# 9.77 clocks a bit
+FRACTION = {**NO_FLOORS, "CLK_HZ": 12_000_000, "BAUD": 1_228_800, "BIT_FRACTIONS": 1, "GLITCH_FILTER": 2}
 QUICK = {**NO_FLOORS, "CLK_HZ": 2_000_000, "BAUD": 250_000}
 IO_READ_ONLY = {**IO_MAPPED, "READ_ONLY_BASE": 404, "READ_ONLY_COUNT": 2}
 
@@ -202,6 +204,9 @@ SUITES = {
     "io": (IO, NO_FLOORS, "io_bank", None),
     "drop_in": (DROP_IN, QUICK, "drop_in", None),
     "drop_in_set": (DROP_IN, SET, "drop_in", None),
+    "drop_in_921600": (DROP_IN_IO, {**NO_FLOORS, "CLK_HZ": 12_000_000, "BAUD": 921_600, "BIT_FRACTIONS": 1}, "drop_in", "rate"),
+    "drop_in_1000000": (DROP_IN, {**NO_FLOORS, "CLK_HZ": 27_000_000, "BAUD": 1_000_000}, "drop_in", "rate"),
+    "drop_in_fraction": (DROP_IN, FRACTION, "drop_in", None),
     "drop_in_8n2": (DROP_IN, {**QUICK, "FORMAT": 2}, "drop_in", "settings"),
     "drop_in_io": (DROP_IN_IO, QUICK, "drop_in", None),
     "drop_in_io_set": (DROP_IN_IO, SET, "drop_in", None),

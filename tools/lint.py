@@ -75,7 +75,7 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
     "modbus_rtu_slave_io": DROP_IN_SETS,
     "modbus_axil_master": [{}, {"GUARD": "0"}, FULL_TABLES],
     "modbus_axil_slave": [{}, {"HOLD": "0"}],
-    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}],
+    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}, {"BIT_FRACTIONS": "1"}],
     "modbus_example_ram": [{}, {"WORDS": "65536"}],
     "modbus_pdm_meter": [
         {},

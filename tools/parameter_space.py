@@ -157,7 +157,7 @@ SPACE: dict[str, list[Group]] = {
     "modbus_bank_guard": [tables()],
     "modbus_bank_ram": [tables()],
     "modbus_bank_io": [IO_TABLES],
-    "modbus_host_map": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1))],
+    "modbus_host_map": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), BIT_FRACTIONS=(0, 1))],
     "modbus_axil_master": [places, tables(overlay=False), plain(GUARD=(0, 1))],
     "modbus_axil_slave": [plain(HOLD=(0, 1))],
     "modbus_example_ram": [plain(WORDS=(2, 65536))],

@@ -20,13 +20,15 @@
 // | 84      | response delay in bit times                                 | yes   |
 // | 85      | stall limit in bit times                                    | yes   |
 // | 86      | 3..0 driver lead, 7..4 driver tail in bit times             | yes   |
+// | 87      | 3..0 sixteenths of a clock per bit beyond item 81         | yes   |
 // | 88      | 0 busy, 1 run indicator, 5..2 failure code                  | yes   |
 // | 89      | exception status, function code 07H                         | yes   |
 // | 8A      | 15..1: these bits of the diagnostic register are set        | yes   |
 // | 8B      | 0: write lock                                               | yes   |
 // | 8C      | 0: the line is idle, settings may change                    | err   |
 //
-// Other items answer err.  Unused bits read 0 and are ignored when written.
+// Other items answer err, and so does 87 with BIT_FRACTIONS = 0.  Unused bits read 0 and are ignored when written.
+// A write of 81 leaves 87 as it is: a new rate needs both.
 //
 // With HOST_SETTINGS = 1 items 80 to 8B are registers that begin with the INITIAL_* parameters, after configuration and
 // after rst_i; settings_i, host_state_i and write_lock_i are ignored.  With 0 these inputs go to the outputs, the items read
@@ -43,6 +45,7 @@
 module modbus_host_map #(
   parameter integer HOST_MAP      = 1,           // 0: no space 5
   parameter integer HOST_SETTINGS = 1,           // 0: the host reads the settings, but cannot change them
+  parameter integer BIT_FRACTIONS = 0,           // that of the core
   parameter [`MB_SETTINGS_WIDTH-1:0]   INITIAL_SETTINGS = 0,
   parameter [`MB_HOST_STATE_WIDTH-1:0] INITIAL_STATE    = 0,
   parameter [0:0]                      INITIAL_LOCK     = 0
@@ -88,8 +91,8 @@ module modbus_host_map #(
 
   // Items, all in hexadecimal
   localparam [3:0] ITEM_ADDRESS = 4'h0, ITEM_BIT_TIME = 4'h1, ITEM_FORMAT = 4'h2, ITEM_OPTIONS = 4'h3, ITEM_DELAY = 4'h4,
-                   ITEM_STALL = 4'h5, ITEM_DRIVER = 4'h6, ITEM_STATE = 4'h8, ITEM_EXCEPTION_STATUS = 4'h9,
-                   ITEM_DIAGNOSTIC = 4'hA, ITEM_LOCK = 4'hB, ITEM_IDLE = 4'hC;
+                   ITEM_STALL = 4'h5, ITEM_DRIVER = 4'h6, ITEM_FRACTION = 4'h7, ITEM_STATE = 4'h8,
+                   ITEM_EXCEPTION_STATUS = 4'h9, ITEM_DIAGNOSTIC = 4'hA, ITEM_LOCK = 4'hB, ITEM_IDLE = 4'hC;
 
   // Fields that share an item
   localparam integer OPTIONS = `MB_SET_BROADCAST;          // four bits from here on
@@ -105,7 +108,7 @@ module modbus_host_map #(
 
   wire [6:0] number = host_adr_i[6:0];
   wire       status_exists   = number[6] | (number <= 7'h02) | (number >= 7'h0A & number <= 7'h12);
-  wire       settings_exist  = (item <= ITEM_DRIVER) | (item >= ITEM_STATE & item <= ITEM_IDLE);
+  wire       settings_exist  = (item <= ITEM_IDLE) & ((BIT_FRACTIONS != 0) | (item != ITEM_FRACTION));
   wire       settings_writes = (HOST_SETTINGS != 0) & settings_exist & (item != ITEM_IDLE);
 
   wire stb        = host_cyc_i & host_stb_i;
@@ -141,6 +144,7 @@ module modbus_host_map #(
             ITEM_DELAY:            set_q[`MB_SET_RESPONSE_DELAY]      <= host_dat_i[11:0];
             ITEM_STALL:            set_q[`MB_SET_STALL_LIMIT]         <= host_dat_i;
             ITEM_DRIVER:           {set_q[`MB_SET_DE_TAIL], set_q[`MB_SET_DE_LEAD]} <= host_dat_i[7:0];
+            ITEM_FRACTION: if (BIT_FRACTIONS != 0) set_q[`MB_SET_BIT_FRACTION] <= host_dat_i[3:0];
             ITEM_STATE:            state_q[STATE_BITS-1:0]            <= host_dat_i[STATE_BITS-1:0];
             ITEM_EXCEPTION_STATUS: state_q[`MB_HOST_EXCEPTION_STATUS] <= host_dat_i[7:0];
             ITEM_DIAGNOSTIC:       state_q[`MB_HOST_DIAGNOSTIC]       <= host_dat_i[15:1];
@@ -174,6 +178,7 @@ module modbus_host_map #(
       ITEM_DELAY:            setting = {4'd0, set[`MB_SET_RESPONSE_DELAY]};
       ITEM_STALL:            setting = set[`MB_SET_STALL_LIMIT];
       ITEM_DRIVER:           setting = {8'd0, set[`MB_SET_DE_TAIL], set[`MB_SET_DE_LEAD]};
+      ITEM_FRACTION:         setting = {12'd0, set[`MB_SET_BIT_FRACTION]};
       ITEM_STATE:            setting = {10'd0, state[STATE_BITS-1:0]};
       ITEM_EXCEPTION_STATUS: setting = {8'd0, state[`MB_HOST_EXCEPTION_STATUS]};
       ITEM_DIAGNOSTIC:       setting = {state[`MB_HOST_DIAGNOSTIC], 1'b0};

@@ -182,7 +182,7 @@ module modbus_sequencer #(
       `MB_WHEN_EXCEPTION: applies = failed_q;
       `MB_WHEN_BUSY:      applies = refusal & (code_q == `MB_EX_DEVICE_BUSY);
       `MB_WHEN_NAK:       applies = refusal & (code_q == `MB_EX_NEGATIVE_ACKNOWLEDGE);
-      `MB_WHEN_BROADCAST: applies = broadcast_q;
+      `MB_WHEN_UNSENT:    applies = left_q;
       `MB_WHEN_LONG:      applies = long_q;
       default:            applies = 1'b1;
     endcase

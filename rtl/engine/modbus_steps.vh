@@ -118,7 +118,7 @@
 `define MB_WHEN_EXCEPTION  3'd2
 `define MB_WHEN_BUSY       3'd3   // exception 06 is answered
 `define MB_WHEN_NAK        3'd4   // exception 07 is answered
-`define MB_WHEN_BROADCAST  3'd5
+`define MB_WHEN_UNSENT     3'd5   // bytes of the answer are left: none was due, or it was given up
 `define MB_WHEN_LONG       3'd6   // the frame had more than 256 bytes
 
 // Bits of the argument of MODE

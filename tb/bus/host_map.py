@@ -39,8 +39,10 @@ SETTINGS = {
     0x8B: (0, 0x1),
 }
 IDLE = 0x8C
+if PARAMETERS.get("BIT_FRACTIONS"):
+    SETTINGS[0x87] = (0, 0xF)
 STATUS = [*range(3), *range(0x0A, 0x13), *range(0x40, 0x80)]
-ADDRESS, BIT_TIME, FORMAT, OPTIONS, DELAY, STALL, DRIVER = range(0x80, 0x87)
+ADDRESS, BIT_TIME, FORMAT, OPTIONS, DELAY, STALL, DRIVER, FRACTION = range(0x80, 0x88)
 STATE, EXCEPTION_STATUS, DIAGNOSTIC, LOCK = range(0x88, 0x8C)
 
 
@@ -183,7 +185,8 @@ async def reading_never_disturbs_the_line(dut):
 async def rate_format_and_address_are_set(dut):
     """The CPU waits for the idle line, then changes them; the next frame goes by them.  rst_i brings the first back."""
     tb = await bench(dut)
-    for address, bit_time, fmt in ((33, 11, F8O1), (247, 9, F8N1)):
+    for address, bit_time, fraction, fmt in ((33, 11, 7, F8O1), (247, 9, 12, F8N1), (5, 8, 0, F8N1)):
+        fraction *= FRACTION in SETTINGS
         sender = cocotb.start_soon(tb.both(frames.adu(tb.setup.address, READ[1:-2])))
         await tb.clocks(60 * tb.setup.bit_time)
         assert await tb.cpu.read(CORE, IDLE) == 0, "idle in the middle of a frame"
@@ -193,13 +196,14 @@ async def rate_format_and_address_are_set(dut):
                 break
         else:
             raise AssertionError("never idle")
-        for item, value in ((ADDRESS, address), (BIT_TIME, bit_time), (FORMAT, fmt.code)):
-            await put(tb, item, value)
-        tb.apply(address=address, bit_time=bit_time, fmt=fmt)
+        items = {ADDRESS: address, BIT_TIME: bit_time, FORMAT: fmt.code, FRACTION: fraction}
+        for item in items.keys() & SETTINGS:
+            await put(tb, item, items[item])
+        tb.apply(address=address, bit_time=bit_time, bit_fraction=fraction, fmt=fmt)
         await tb.silence()
         assert await tb.both(frames.adu(address, READ[1:-2])) is not None
     await tb.reset()
-    tb.apply(address=OWN, bit_time=8, fmt="8E1")
+    tb.apply(address=OWN, bit_time=8, bit_fraction=0, fmt="8E1")
     await tb.silence()
     assert await tb.both(READ) is not None
 

@@ -10,6 +10,7 @@ module host_map_bench #(
   parameter integer AXIL = 1,                    // 0: Wishbone
   parameter integer HOST_MAP = 1,
   parameter integer HOST_SETTINGS = 1,
+  parameter integer BIT_FRACTIONS = 0,
   parameter integer T15_MIN_US = 0,
   parameter integer T35_MIN_US = 0,
   parameter [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS,
@@ -80,7 +81,7 @@ module host_map_bench #(
   wire [15:0]                     to_map, from_map, to_bank, from_bank;
 
   modbus_rtu_core #(
-    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .FUNCTION_CODES(TABLE_CODES)
+    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .BIT_FRACTIONS(BIT_FRACTIONS), .FUNCTION_CODES(TABLE_CODES)
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
     .host_state_i(host_state), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
@@ -97,7 +98,8 @@ module host_map_bench #(
   assign write_file_o  = grant_file;
 
   modbus_host_map #(
-    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .INITIAL_SETTINGS(SETTINGS), .INITIAL_STATE(`MB_HOST_AT_REST)
+    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
+    .INITIAL_STATE(`MB_HOST_AT_REST)
   ) u_map (
     .clk_i(clk_i), .rst_i(rst_i), .host_cyc_i(cyc), .host_stb_i(stb), .host_we_i(we), .host_adr_i(adr),
     .host_dat_i(to_map), .host_dat_o(from_map), .host_ack_o(ack), .host_err_o(err), .bank_cyc_o(bank_cyc),

@@ -158,7 +158,8 @@ class Bench(HostPort, Readout):
 
     def _settled(self, parameters):
         """Line, model and silences follow the set-up of a build with `parameters`."""
-        self.line.bit_ps, self.line.fmt = self.setup.bit_time * CLOCK_PS, self.setup.fmt
+        self.line.bit_ps, self.line.fmt = round(self.bit_clocks * CLOCK_PS), self.setup.fmt
+        self.line.slack_ps = CLOCK_PS // 2 if self.setup.bit_fraction else 0
         config = self.slave.config
         config.address = self.setup.address
         config.broadcast = bool(self.setup.broadcast_en)
@@ -167,7 +168,7 @@ class Bench(HostPort, Readout):
         slave.busy, slave.write_lock = bool(self.setup.busy), bool(self.setup.write_lock)
         slave.failure, slave.exception_status = self.setup.failure, self.setup.exception_status
         slave.run_indicator, slave.diagnostic_bits = bool(self.setup.run_indicator), self.setup.diagnostic
-        t15, t35 = build.silences(parameters, self.setup.fmt, self.setup.bit_time)
+        t15, t35 = build.silences(parameters, self.setup.fmt, self.bit_clocks)
         self.t15, self.t35 = t15 * CLOCK_PS, t35 * CLOCK_PS
         config.t15, config.t35 = t15 / self.character, t35 / self.character
 
@@ -177,9 +178,15 @@ class Bench(HostPort, Readout):
         return self.line.bit_ps
 
     @property
+    def bit_clocks(self):
+        """Bit time in clock cycles."""
+        fraction = self.setup.bit_fraction
+        return self.setup.bit_time + fraction / 16 if fraction else self.setup.bit_time
+
+    @property
     def character(self):
         """Character time in clock cycles."""
-        return self.setup.fmt.length * self.setup.bit_time
+        return self.setup.fmt.length * self.bit_clocks
 
     async def reset(self, clocks=4):
         """Hold rst_i for some clocks. Released, the line must be silent before anything is heard."""
@@ -289,10 +296,11 @@ class Bench(HostPort, Readout):
         assert latency >= 0, f"{shown}: the answer starts {-latency:.2f} bits before t3.5"
         lead = (answer.start - answer.de_rise) / self.bit
         tail = (answer.de_fall - answer.end) / self.bit
-        assert self.setup.de_lead <= lead <= self.setup.de_lead + 1, (
+        slack = self.line.slack_ps / self.bit
+        assert self.setup.de_lead - slack <= lead <= self.setup.de_lead + 1 + slack, (
             f"{shown}: de leads by {lead:.2f} bits, set to {self.setup.de_lead}"
         )
-        assert self.setup.de_tail <= tail <= self.setup.de_tail + 1, (
+        assert self.setup.de_tail - slack <= tail <= self.setup.de_tail + 1 + slack, (
             f"{shown}: de stays {tail:.2f} bits, set to {self.setup.de_tail}"
         )
 

@@ -42,13 +42,14 @@ class Answer:
 class Line:
     """One device's serial side.
 
-    `bit_ps` and `fmt` may be changed while the line is idle.  With `echo` what the device sends
-    comes back on its receiver, as on a two-wire bus whose receiver stays enabled.
+    `bit_ps`, `slack_ps` and `fmt` may be changed while the line is idle.  The device's edges are at most `slack_ps`
+    off their exact place.  With `echo` what the device sends comes back on its receiver, as on a two-wire bus whose
+    receiver stays enabled.
     """
 
     def __init__(self, dut, bit_ps, fmt, rng):
         self.dut, self.bit_ps, self.fmt, self.rng = dut, bit_ps, fmt, rng
-        self.echo = False
+        self.echo, self.slack_ps = False, 0
         self._master, self._tx_edges = wave.IDLE, []
         self._txd, self._de_rise = wave.IDLE, None
         self.answers, self.finished = [], Event()
@@ -136,8 +137,8 @@ class Line:
         edges, self._tx_edges = self._tx_edges, []
         rise, self._de_rise = self._de_rise, None
         try:
-            got = wave.decode(edges, self.fmt, self.bit_ps)
-            if not rise <= got.start or not got.end <= fall:
+            got = wave.decode(edges, self.fmt, self.bit_ps, self.slack_ps)
+            if not rise <= got.start or not got.end <= fall + self.slack_ps:
                 raise LineError(f"de high {rise}..{fall} ps does not cover the answer {got.start}..{got.end}")
             answer = Answer(got.data, got.start, got.end, rise, fall)
         except LineError as error:

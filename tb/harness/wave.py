@@ -99,8 +99,8 @@ class Decoded:
     end: int
 
 
-def decode(edges, fmt, bit_ps):
-    """Characters that must follow each other without a gap, every edge on the bit grid.
+def decode(edges, fmt, bit_ps, slack=0):
+    """Characters that must follow each other without a gap, every edge at most `slack` ps off the bit grid.
 
     Raises LineError with the reason.  `edges` begins with the first falling edge.
     """
@@ -109,8 +109,9 @@ def decode(edges, fmt, bit_ps):
     origin = edges[0][0]
     levels, level = [], IDLE
     for place, (time, new) in enumerate(edges):
-        slots, rest = divmod(time - origin, bit_ps)
-        if rest:
+        slots = (time - origin + slack) // bit_ps
+        rest = time - origin - slots * bit_ps
+        if rest > slack:
             raise LineError(f"edge {place} is {rest / bit_ps:.3f} bits off the grid of bit times")
         levels += [level] * (slots - len(levels))
         level = new

@@ -3,21 +3,27 @@
 """The drop-ins as a user instantiates them: settings are parameters, only clock, line and data are connected."""
 
 import cocotb
-from harness.bench import PARAMETERS, Bench
+from harness import wave
+from harness.bench import CLOCK_PS, PARAMETERS, Bench
+from harness.line import now
 from harness.lines import with_gap
 from protocol import frames
 from protocol.defs import BROADCAST, DEFAULT_BAUD, FORMATS, Space
 
 OTHER = 99
+RATE_ERROR = 0.005  # of what is sent
 
 
 def built():
     """The fields of Setup that the parameters of the build stand for; drop-in defaults where it names none."""
     given = PARAMETERS.get
     clk_hz, baud = given("CLK_HZ", 50_000_000), given("BAUD", DEFAULT_BAUD)
+    sixteenths = 16 if given("BIT_FRACTIONS", 0) else 1
+    bit = (clk_hz * sixteenths + baud // 2) // baud * (16 // sixteenths)
     return {
         "address": given("ADDRESS", 1),
-        "bit_time": (clk_hz + baud // 2) // baud,
+        "bit_time": bit // 16,
+        "bit_fraction": bit % 16,
         "fmt": next(fmt for fmt in FORMATS if fmt.code == given("FORMAT", 0)),
         "broadcast_en": given("BROADCAST", 1),
         "gap_count_only": given("GAP_COUNT_ONLY", 0),
@@ -76,4 +82,31 @@ async def alive_rises_with_the_first_request(dut):
     assert not int(dut.alive_o.value)
     await ask(tb, frames.adu(tb.setup.address, frames.bare(7)))
     assert int(dut.alive_o.value)
+    await tb.finish()
+
+
+@cocotb.test()
+async def rate_is_the_one_that_was_asked_for(dut):
+    """Requests at exactly BAUD are understood; the answer's bits, measured at txd_o, are those of BAUD."""
+    tb = await started(dut)
+    exact = PARAMETERS.get("CLK_HZ", 50_000_000) * CLOCK_PS / PARAMETERS.get("BAUD", DEFAULT_BAUD)
+    own, (first, count) = tb.setup.address, tb.slave.config.tables[Space.HOLDINGS]
+    edges = []
+
+    async def record():
+        while True:
+            await dut.txd_o.value_change
+            edges.append(now())
+
+    cocotb.start_soon(record())
+    for _ in range(3):
+        words = [tb.rng.getrandbits(16) for _ in range(count)]
+        for pdu in (frames.write_registers(first, words), frames.read(3, first, count)):
+            await tb.silence()
+            edges.clear()
+            answer = await tb.both(frames.adu(own, pdu), offset=exact / tb.bit - 1, timing=False)
+        places = [place for place, _ in wave.encode(answer, tb.setup.fmt, 1).edges]
+        assert len(edges) == len(places)
+        bit = (edges[-1] - edges[0]) / (places[-1] - places[0])
+        assert abs(exact / bit - 1) < RATE_ERROR, f"a bit lasts {bit:.0f} ps, wanted {exact:.0f}"
     await tb.finish()

@@ -203,7 +203,7 @@ async def core_waits_for_a_host_that_keeps_the_bus(dut):
 async def late_answer_may_be_dropped(dut, drop, delay):
     """The host keeps the memory until the master asks again: with drop_late no answer to the first request.
 
-    The next good frame after t3.5 is answered.
+    The next good frame after t3.5 is answered. An answer that was dropped counts as no response.
     """
     tb = await Bench.start(dut, drop_late=drop, response_delay=delay)
     write = frames.adu(OWN, frames.write_register(3, 0x4711))
@@ -222,9 +222,11 @@ async def late_answer_may_be_dropped(dut, drop, delay):
         assert tb.strobes["overrun"] == int(again > 0), "heard during the work"
         tb.strobes.clear()
         tb.slave.request(write)
+        tb.slave.counters["slave_no_response"] += bool(dropped)
         await tb.silence()
         got = await tb.query(READ)
         assert got and got.data == tb.slave.request(READ), "the next frame is not answered"
+        await tb.compare_counters(f"{again} characters heard")
     await tb.finish()
 
 

@@ -130,8 +130,14 @@ MISTAKES = [
     Mistake(
         "broadcast_counted_as_answered",
         "modbus_routines_answer.vh",
-        "`DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_BROADCAST))",
+        "`DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_UNSENT))",
         "`DO(COUNT(`MB_CPT_NO_RESPONSE, `MB_WHEN_LONG))",
+    ),
+    Mistake(
+        "dropped_answer_counted_as_sent",
+        "modbus_sequencer.v",
+        "`MB_WHEN_UNSENT:    applies = left_q;",
+        "`MB_WHEN_UNSENT:    applies = broadcast_q;",
     ),
     Mistake("counted_twice", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "16'd2"),
     Mistake("counter_stops_at_its_end", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "{15'd0, ~&word_q}"),

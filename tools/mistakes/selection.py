@@ -44,7 +44,7 @@ SELECTION = [
         "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
         "|own_|breaks|right_after|during|after_reset",
     ),
-    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory"),
+    ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory|late_answer.*drop=1"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
     ("core_checks", "checked_once.*wait=0|refused.*code=3|broadcast"),
