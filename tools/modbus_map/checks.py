@@ -108,7 +108,8 @@ class _Compiler:
             for step in found["loc"][:-1]:
                 inner = _inner(inner, step)
             known = [name for name in inner.model_fields if name not in self.tree_at(where[:-1])]
-            self.error(where, f"unknown key {shown(key)}; {nearest(str(key), known)}", key=True)
+            hint = nearest(str(key), inner.model_fields)
+            self.error(where, f"unknown key {shown(key)}; {hint if '?' in hint else nearest(str(key), known)}", key=True)
         elif kind == "missing":
             self.error(where[:-1], f"the key {key} is missing; write {key}: {_EXAMPLES.get(str(key), 'its value')}")
         elif kind == "map":
@@ -153,8 +154,7 @@ class _Compiler:
                 files = self.files()
         self.overlaps(points)
         self.freezes(points)
-        empty = not any(tree.get(name) for name in LISTS)
-        if empty:
+        if not any(name in tree for name in LISTS) and not self.source.problems:
             self.error((), "the device has no points; write a table, for example coils: [{at: 0, name: relay}]")
         if head is None:
             return None
@@ -253,7 +253,7 @@ class _Compiler:
         last = parsed.at + width * count - 1
         if last >= ITEMS:
             if width > 1 and count == 1:
-                room = f"a {kind_of} takes {width} registers"
+                room = f"{_a(kind_of)} takes {width} registers"
             else:
                 room = f"{count} items of {kind_of} take {width * count} addresses"
             self.error((*path, "at"), f"{room}, so it ends at {last}; the last address of a table is {ITEMS - 1}")
@@ -280,7 +280,7 @@ class _Compiler:
                 self.warn(path, f"{width * count * 16} flip-flops; kind: memory keeps it in block RAM")
         word_order = getattr(parsed, "word_order", None)
         if word_order and (width == 1 or kind_of.startswith("string")):
-            self.warn((*path, "word_order"), f"a {kind_of} has no word order; leave it out")
+            self.warn((*path, "word_order"), f"{_a(kind_of)} has no word order; leave it out")
         if kind_of.startswith("string") or width == 1:
             word_order = "big"
         scale, offset = getattr(parsed, "scale", None), getattr(parsed, "offset", None)
@@ -306,7 +306,7 @@ class _Compiler:
         no_number = kind_of.startswith("string") or kind_of in ("bits", "bool")
         for key in ("scale", "offset"):
             if key in given and no_number:
-                self.error((*path, key), f"a {kind_of} has no {key}; leave it out", key=True)
+                self.error((*path, key), f"{_a(kind_of)} has no {key}; leave it out", key=True)
             elif key in given and parsed.enum:
                 self.error((*path, key), f"an enum names raw values and has no {key}; leave one of them out", key=True)
         enum = self.enum(parsed.enum, point, path) if parsed.enum else ()
@@ -318,7 +318,7 @@ class _Compiler:
             if getattr(parsed, key, None) is None:
                 continue
             if no_number:
-                self.error((*path, key), f"a {kind_of} has no {key}; leave it out", key=True)
+                self.error((*path, key), f"{_a(kind_of)} has no {key}; leave it out", key=True)
             else:
                 limits[key] = self.raw(getattr(parsed, key), point, (*path, key), key)
         if point.scale < 0:
@@ -383,12 +383,12 @@ class _Compiler:
             return point.raw(text)
         if isinstance(value, str):
             hint = "write one of the numbers" if not point.enum else "write one of its names"
-            self.error(path, f"{shown(value)} is no value of a {point.type}; {hint}")
+            self.error(path, f"{shown(value)} is no value of {_a(point.type)}; {hint}")
             return None
         if point.type == "bool" or isinstance(value, bool):
             if point.type != "bool" or value not in (0, 1):
                 wanted = "0, 1, false or true" if point.type == "bool" else "a number"
-                self.error(path, f"{what} {shown(value)} is no value of a {point.type}; write {wanted}")
+                self.error(path, f"{what} {shown(value)} is no value of {_a(point.type)}; write {wanted}")
                 return None
             return int(value)
         return self.number(value, point, path, what)
@@ -467,7 +467,7 @@ class _Compiler:
 
     def enum(self, given: dict[int, str], point: Point, path: Path_) -> tuple[EnumItem, ...]:
         if point.is_float or point.is_string or point.type == "bits":
-            self.error((*path, "enum"), f"a {point.type} has no enum; leave it out, or take u16", key=True)
+            self.error((*path, "enum"), f"{_a(point.type)} has no enum; leave it out, or take u16", key=True)
             return ()
         least, most = (0, 1) if point.type == "bool" else point.number_range()
         made: list[EnumItem] = []
@@ -490,7 +490,7 @@ class _Compiler:
 
     def fields(self, parsed: Any, point: Point, path: Path_) -> tuple[BitField, ...]:
         if point.type not in ("bits", "u16", "u32", "u64"):
-            self.error((*path, "bits"), f"a {point.type} has no bit fields; take type: bits, or u16, u32, u64", key=True)
+            self.error((*path, "bits"), f"{_a(point.type)} has no bit fields; take type: bits, or u16, u32, u64", key=True)
             return ()
         if parsed.enum:
             self.error((*path, "enum"), "a point has bits or an enum; leave one of them out", key=True)
@@ -498,7 +498,7 @@ class _Compiler:
         for name, (high, low) in parsed.bits.items():
             here = (*path, "bits", name)
             if high >= point.bits:
-                text = f"field {name}: bit {high} is outside the {point.type}; its bits are 0 to {point.bits - 1}"
+                text = f"field {name}: bit {high} is outside {_a(point.type)}; its bits are 0 to {point.bits - 1}"
                 self.error(here, text)
                 continue
             for other in made:
@@ -631,8 +631,8 @@ class _Compiler:
             if other is port:
                 continue
             point = port.point or other.point
-            if point is None:
-                continue
+            if point is None or (port.point and other.point and port.point.name.lower() == other.point.name.lower()):
+                continue  # `claim` has told of two points of one name
             both = port.point and other.point
             owner = f"point {(other if port.point else port).point.name}" if both else "the module itself"  # type: ignore[union-attr]
             text = f"the port {port.name} would be there twice, for {point.name} and for {owner}; rename {point.name}"
@@ -709,7 +709,7 @@ class _Compiler:
             reads = [point.name for point in points if point.readable]
             writes = [point.name for point in points if point.writable]
             if reads and not readers & codes:
-                text = f"no function code reads {table} ({reads[0]}); add {READ_FUNCTION[table]:02d}"
+                text = f"no function code reads {table} ({reads[0]}); add {READ_FUNCTION[table]}"
                 self.error(("functions",), text)
             if writes and not writers & codes:
                 options = " or ".join(str(code) for code in WRITE_FUNCTIONS[table][:2])
@@ -745,6 +745,11 @@ def _inner(model: Any, step: Any) -> Any:
 
 def _indefinite(text: str) -> str:
     return text if text.startswith(("a ", "nothing")) else f"the text {text}"
+
+
+def _a(kind: str) -> str:
+    """A type with its article."""
+    return "a bits point" if kind == "bits" else f"{'an' if kind[0] in 'fi' else 'a'} {kind}"
 
 
 def _span(point: Point) -> str:

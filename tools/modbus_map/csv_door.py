@@ -167,7 +167,7 @@ class _Rows:
     def table(self, cells: dict[str, tuple[str, int]], line: int) -> str:
         if "number" in cells:
             cell, column = cells["number"]
-            digits = cell.replace("x", "").replace("X", "")
+            digits = re.sub(r"^([0134])[xX](?=\d)", r"\1", cell)
             if re.fullmatch(r"[0134]?\d{4,5}", digits):
                 number, long = int(digits), len(digits) == 6
                 for table, first in FIRST_NUMBER.items():
