@@ -125,7 +125,7 @@ CSV_CASES = {
     "column": ("table,at,name,tpye\ncoil,0,a,\n", ["1:15: unknown column tpye; did you mean type?"]),
     "no name": ("table,at\ncoil,0\n", ["1:1: there is no column name; the header is table,at,name,type,...", "2:1: the key name is missing; write name: relay"]),
     "two columns": ("table,at,address,name\ncoil,0,,a\n", ["1:10: a second column for at; leave one out"]),
-    "table": (CSV + "holdin,0,a,u16,,,,\n", ["3:1: holdin is no table; did you mean holding_registers?"]),
+    "table": (CSV + "holdin,0,a,u16,,,,\n", ["3:1: holdin is no table; did you mean holding?"]),
     "value": (CSV + "holding,0,a,u16,0,9,70000,V\n", ["3:21: reset 70000 is outside the type; u16 is 0 to 65535"]),
     "overlap": (CSV + 'holding,0,"a",u32,,,,\nholding,1,b,u16,,,,\n', ["4:9: b (1) overlaps a (0 to 1) of line 3; the next free address is 2"]),
     "name behind quotes": (CSV + '"holding","0","reg",u16,,,,\n', ["3:15: reg is a keyword of Verilog; take another name, for example reg_value"]),

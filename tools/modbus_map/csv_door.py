@@ -188,7 +188,7 @@ class _Rows:
         for table, words in TABLE_WORDS.items():
             if word.lower() in words:
                 return table
-        self.note(line, column, f"{word} is no table; {nearest(word, TABLES)}")
+        self.note(line, column, f"{word} is no table; {nearest(word, [w for words in TABLE_WORDS.values() for w in words])}")
         return ""
 
     def cell(self, key: str, cell: str, path: Path_) -> Any:

@@ -52,7 +52,7 @@ def tree(device: Device) -> CommentedMap:
         items: list[Any] = []
         if key in device.zero_gaps:
             items.append(_flow(CommentedMap(gaps="zero")))
-        items += [_flow(_fifo(point) if point.fifo else _point(point, device)) for point in points]
+        items += [_flow(_fifo(p) if p.fifo else point(p, device)) for p in points]
         if items:
             top[key] = items
     return top
@@ -111,7 +111,8 @@ def _fifo(point: Point) -> CommentedMap:
     return made
 
 
-def _point(point: Point, device: Device) -> CommentedMap:
+def point(point: Point, device: Device) -> CommentedMap:
+    """A point as an item of its table's list."""
     made = CommentedMap(at=point.at, name=point.name)
     if point.type not in ("bool", "u16"):
         made["type"] = point.type
