@@ -10,6 +10,8 @@ peakrdl.toml of the checkout names both.
 
 from __future__ import annotations
 
+import atexit
+import shutil
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,7 +65,8 @@ class Importer(ImporterPlugin):
         except MapError as error:
             raise SystemExit(str(error)) from None
         (name, text), *_ = rdl.generate(device).items()
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / name
-            file.write_text(text, encoding="utf-8")
-            rdlc.compile_file(str(file))
+        folder = Path(tempfile.mkdtemp())  # PeakRDL reads it again where it has something to say of it
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        file = folder / name
+        file.write_text(text, encoding="utf-8")
+        rdlc.compile_file(str(file))
