@@ -47,10 +47,12 @@ class Model:
     parameters: Mapping[str, object] = field(default_factory=dict)
     defines: Mapping[str, object] = field(default_factory=dict)  # for the C++ file
     shared: bool = True  # a library for ctypes; else a program
+    optimise: str = OPTIMISE  # of the model itself: -O0 compiles fastest
 
     def digest(self) -> str:
         """A name for the contents of everything that goes into the build."""
         settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
+        settings += [self.optimise] if self.optimise != OPTIMISE else []  # names of earlier builds stay
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
         for path in (*self.files, *headers, *sorted(HEADERS.glob("*.h")), self.wrapper, Path(__file__)):
@@ -114,7 +116,7 @@ def _build(model: Model, folder: Path, target: Path) -> None:
     objects = [f"{PREFIX}__ALL.a", "verilated.o"]
     if "verilated_threads" in (folder / f"{PREFIX}_classes.mk").read_text(encoding="utf-8"):  # newer Verilators
         objects.append("verilated_threads.o")
-    _run(["make", "-j2", "-C", str(folder), "-f", f"{PREFIX}.mk", f"OPT_FAST={OPTIMISE}", *objects], folder)
+    _run(["make", "-j2", "-C", str(folder), "-f", f"{PREFIX}.mk", f"OPT_FAST={model.optimise}", *objects], folder)
     root = _run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()
     _run(
         [
