@@ -1,93 +1,114 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Devices that the outputs are tested with, made without a map file."""
+"""Devices for the tests of the generated RTL, made without a map file."""
 
-from modbus_map.model import BitField, Device, EnumItem, Identity, Line, Point
+import dataclasses
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+from modbus_map.model import WIDTHS, Device, EnumItem, Identity, Line, Point  # noqa: E402
+
+READS = {"coils": 1, "discrete_inputs": 2, "holding_registers": 3, "input_registers": 4}
 
 
-def device(name, points, **more):
-    """A device with all read and write functions."""
-    facts = {
-        "title": name.replace("_", " ").capitalize(),
+def point(table, at, name, kind_of_value="", **fields):
+    """A point with the defaults of the map file."""
+    is_bit = table in ("coils", "discrete_inputs")
+    kind_of_value = kind_of_value or ("bool" if is_bit else "u16")
+    text = kind_of_value.startswith("string")
+    width = 1 if is_bit else (int(kind_of_value[7:-1]) + 1) // 2 if text else WIDTHS[kind_of_value]
+    written = table in ("coils", "holding_registers")
+    access = fields.pop("access", "rw" if written else "ro")
+    count = fields.setdefault("count", 1)
+    fields.setdefault("kind", "register" if access != "ro" else "wire")
+    fields.setdefault("resets", (0,) * count)
+    fields.setdefault("is_array", count > 1)
+    fields["enum"] = tuple(EnumItem(raw, raw, f"e{raw}", f"E{raw}") for raw in fields.pop("enum", ()))
+    return Point(table=table, at=at, name=name, type=kind_of_value, width=width, access=access, **fields)
+
+
+def functions_of(points, files=(), more=()):
+    """The function codes that a map with these points needs."""
+    codes = {READS[p.table] for p in points}
+    if any(p.writable and p.table == "coils" for p in points):
+        codes |= {5, 15}
+    if any(p.writable and p.table == "holding_registers" for p in points):
+        codes |= {6, 16}
+    if files:
+        codes |= {20, 21}
+    return tuple(sorted(codes | set(more)))
+
+
+def device(name, points, functions=None, more=(), files=(), **fields):
+    """A device of these points."""
+    fields = {
+        "title": name,
         "version": "1.0.0",
         "doc": "",
-        "identity": Identity("Acme", "X", "V1"),
-        "line": Line(17, 19200, "8E1"),
+        "identity": Identity(),
+        "line": Line(address=17, baud=19200),
         "word_order": "big",
-        "functions": (1, 2, 3, 4, 5, 6, 15, 16),
-        "functions_auto": True,
         "core": (),
-    } | more
-    return Device(name=name, points=tuple(points), **facts)
+        **fields,
+    }
+    codes = tuple(functions) if functions else functions_of(points, files, more)
+    return Device(
+        name=name, points=tuple(points), functions=codes, functions_auto=functions is None, files=tuple(files), **fields
+    )
 
 
-def signed(number, bits=16):
-    """The bit pattern of a number."""
-    return number & ((1 << bits) - 1)
+def relay_box():
+    """The first example of the documents."""
+    return device(
+        "relay_box",
+        [
+            point("coils", 0, "relay", count=4, doc="Relays, 1 closes"),
+            point("discrete_inputs", 0, "door_open"),
+            point("input_registers", 0, "temperature", "i16", unit="°C", scale=0.1),
+            point("holding_registers", 0, "limit", "i16", minimum=0, maximum=800, resets=(450,)),
+        ],
+        more=(43,),
+        identity=Identity("Acme", "RB-4", "V1.0"),
+    )
 
 
-RELAY_BOX = device(
-    "relay_box",
-    [
-        Point("coils", 0, "relay", "bool", 1, 4, True, "rw", "register", (0,) * 4, doc="Relays, 1 closes"),
-        Point("discrete_inputs", 0, "door_open", "bool", 1),
-        Point("input_registers", 0, "temperature", "i16", 1, unit="°C", scale=0.1),
-        Point(
-            "holding_registers", 0, "limit", "i16", 1, 1, False, "rw", "register", (450,), 0, 800, unit="°C", scale=0.1
-        ),
-    ],
-)
+def drive():
+    """Every kind of point: pairs, quads, floats, enums, arrays, memory, freeze, both word orders."""
+    f32 = 0x3F800000
+    return device(
+        "small_drive",
+        [
+            point("coils", 0, "run", strobe=True),
+            point("coils", 1, "fault_reset", access="wo"),
+            point("coils", 2, "direction", resets=(1,)),
+            point("coils", 16, "capture"),
+            point("discrete_inputs", 100, "limit_switch", count=5),
+            point("discrete_inputs", 107, "ready"),
+            point("input_registers", 0, "speed", "f32"),
+            point("input_registers", 2, "position", "i64"),
+            point("input_registers", 6, "current", "u16", count=3),
+            point("input_registers", 9, "torque", "i32", word_order="little"),
+            point("input_registers", 20, "energy", "u64", freeze="capture"),
+            point("input_registers", 24, "power", "i16", freeze="capture"),
+            point("input_registers", 30, "version", "u32", kind="constant", resets=(0x00010203,)),
+            point("holding_registers", 0, "setpoint", "f32", minimum=0xC0000000, maximum=0x40000000 + f32 - f32, strobe=True),
+            point("holding_registers", 2, "ramp", "u32", resets=(1000,), minimum=10, maximum=100000),
+            point("holding_registers", 4, "mode", "u16", enum=(0, 1, 4), resets=(1,)),
+            point("holding_registers", 5, "level", "u16", enum=(0, 1, 2, 3)),
+            point("holding_registers", 6, "trim", "i16", count=4, minimum=0xFF9C, maximum=100),
+            point("holding_registers", 10, "target", "i64", word_order="little", strobe=True),
+            point("holding_registers", 14, "offset", "i32", word_order="little", minimum=-5 & 0xFFFFFFFF, maximum=5),
+            point("holding_registers", 16, "serial", "u16", access="ro"),
+            point("holding_registers", 17, "key", "u16", access="wo"),
+            point("holding_registers", 100, "curve", "u16", count=100, kind="memory", resets=tuple(range(100))),
+        ],
+        functions=(1, 2, 3, 4, 5, 6, 15, 16, 22, 23),
+    )
 
-HOSTILE = 'a "b" <script>alert(1)</script> | & \\ */ ``` ${x} # é {{ }} [l](u) --'
 
-EVERYTHING = device(
-    "drive",
-    [
-        Point("coils", 0, "run", "bool", 1, 1, False, "rw", "register", (1,), strobe=True),
-        Point("coils", 1, "freeze_all", "bool", 1, 1, False, "wo", "register"),
-        Point("coils", 2, "alarms", "bool", 1, 11, True, "rw", "register", (0,) * 11),
-        Point("discrete_inputs", 5, "ready", "bool", 1, 3, True),
-        Point("input_registers", 0, "speed", "i32", 2, unit="rpm", scale=0.01, freeze="freeze_all"),
-        Point("input_registers", 2, "energy", "u64", 4, unit="kWh", scale=0.001, word_order="little"),
-        Point("input_registers", 6, "torque", "f32", 2, unit="Nm"),
-        Point("input_registers", 8, "torques", "f32", 2, 2, True, unit="Nm", word_order="little"),
-        Point("input_registers", 12, "power", "f64", 4, scale=2.5, offset=-1.25),
-        Point("input_registers", 16, "heat", "u16", 1, unit="°C", offset=-40.0),
-        Point(
-            "input_registers", 100, "status", "bits", 1, fields=(BitField("on", 0, 0), BitField("mode", 5, 4)),
-            doc=HOSTILE,
-        ),
-        Point("input_registers", 101, "position", "i64", 4, word_order="little"),
-        Point(
-            "holding_registers", 0, "mode", "u16", 1, 1, False, "rw", "register", (1,),
-            enum=(EnumItem(0, 0, "off", "OFF"), EnumItem(1, 1, "on now", "ON_NOW"), EnumItem(7, 7, "7th", "V7TH")),
-        ),
-        Point("holding_registers", 1, "ramp", "u32", 2, 1, False, "rw", "register", (5000,), 0, 60000, unit="s",
-              scale=0.001, word_order="little"),
-        Point("holding_registers", 3, "tag", "string<9>", 5, 1, False, "rw", "register",
-              (int.from_bytes(b"pump".ljust(10, b"\0"), "big"),)),
-        Point("holding_registers", 8, "gains", "i16", 1, 3, True, "rw", "register", (1, 2, signed(-3)), scale=0.5),
-        Point("holding_registers", 11, "command", "u16", 1, 1, False, "wo", "register", (0,), strobe=True),
-        Point("holding_registers", 12, "setpoint", "f32", 2, 1, False, "rw", "register", (0x3FC00000,)),
-        Point("holding_registers", 200, "curve", "i16", 1, 100, True, "rw", "memory", (0,) * 100),
-    ],
-    title=HOSTILE,
-    doc=HOSTILE,
-)  # fmt: skip
-
-SAMPLES = {  # numbers that the outputs must decode alike
-    "speed": [0, 123456, -123456, -(1 << 31), (1 << 31) - 1],
-    "energy": [0, 1, 123456789012, (1 << 40) + 1],
-    "torque": [0.0, 1.5, -3.25e7],
-    "torques": [0.5, -1.5],
-    "power": [0.0, 1e100, -2.5],
-    "heat": [0, 40, 65535],
-    "status": [0, 0x31],
-    "position": [0, -1, -(1 << 63), (1 << 63) - 1, 0x0123456789ABCDEF],
-    "mode": [0, 1, 7],
-    "ramp": [0, 1, 59999],
-    "tag": ["", "pump", "123456789"],
-    "gains": [-32768, 0, 32767],
-    "setpoint": [1.5, -0.125],
-    "curve": [-5, 7],
-}
+def only(device_, *names):
+    """The device with these points alone."""
+    return dataclasses.replace(device_, points=tuple(p for p in device_.points if p.name in names))

@@ -6,7 +6,7 @@ import json
 import subprocess
 
 import pytest
-from map.devices import EVERYTHING, RELAY_BOX, SAMPLES
+from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 from modbus_map.outputs import c_header
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-Werror"]

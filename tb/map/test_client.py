@@ -9,7 +9,7 @@ import sys
 import threading
 
 import pytest
-from map.devices import EVERYTHING, RELAY_BOX, SAMPLES
+from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 from map.served import Served
 from modbus_map.outputs import client
 from pymodbus.client import AsyncModbusTcpClient, ModbusTcpClient

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 import pytest
-from map.devices import EVERYTHING, HOSTILE, RELAY_BOX
+from map.output_devices import EVERYTHING, HOSTILE, RELAY_BOX
 from modbus_map.outputs import manual
 
 

@@ -15,7 +15,7 @@ import jsonschema
 import pytest
 import voluptuous as vol
 import yaml
-from map.devices import EVERYTHING, RELAY_BOX, SAMPLES
+from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 from modbus_map.outputs import tags
 
 SCHEMAS = Path(__file__).parent / "schemas"
