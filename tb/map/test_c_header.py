@@ -6,8 +6,9 @@ import json
 import subprocess
 
 import pytest
-from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 from modbus_map.outputs import c_header
+
+from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 
 WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-Werror"]
 COMPILERS = {"c99": ["gcc", "-std=c99", "-x", "c"], "c++11": ["g++", "-std=c++11", "-x", "c++"]}
@@ -89,5 +90,7 @@ def test_limits_fields_and_text(tmp_path):
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_relay_box(tmp_path, compiler):
-    body = '  const uint16_t r[1] = {65531u};\n  printf("%.1f %u", relay_box_temperature_value(r), RELAY_BOX_RELAY_COUNT);'
+    body = (
+        '  const uint16_t r[1] = {65531u};\n  printf("%.1f %u", relay_box_temperature_value(r), RELAY_BOX_RELAY_COUNT);'
+    )
     assert program(tmp_path, RELAY_BOX, body, compiler) == "-0.5 4"

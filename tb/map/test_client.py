@@ -9,15 +9,16 @@ import sys
 import threading
 
 import pytest
-from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
-from map.served import Served
 from modbus_map.outputs import client
 from pymodbus.client import AsyncModbusTcpClient, ModbusTcpClient
+
+from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
+from map.served import Served
 
 
 def module(place, device):
     """The client's module, imported."""
-    (path, text), = client.generate(device).items()
+    ((path, text),) = client.generate(device).items()
     (place / path).write_text(text, encoding="utf-8")
     spec = importlib.util.spec_from_file_location(path.removesuffix(".py"), place / path)
     made = importlib.util.module_from_spec(spec)
@@ -62,7 +63,9 @@ def test_mypy_strict(tmp_path):
     command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "."]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     found = [line for line in done.stdout.splitlines() if "error:" in line]
-    assert [line.split(":")[0] + ":" + line.split(":")[1] for line in found] == ["wrong.py:4", "wrong.py:5"], done.stdout
+    assert [line.split(":")[0] + ":" + line.split(":")[1] for line in found] == ["wrong.py:4", "wrong.py:5"], (
+        done.stdout
+    )
 
 
 def test_values_are_those_of_the_model(drive):
@@ -155,7 +158,9 @@ def test_neighbours_are_one_request(drive):
     made, served = drive
     device, asked = made.Drive(served.client()), []
     ask = device._ask
-    device._ask = lambda table, at, quantity, what: asked.append((table, at, quantity)) or ask(table, at, quantity, what)
+    device._ask = lambda table, at, quantity, what: (
+        asked.append((table, at, quantity)) or ask(table, at, quantity, what)
+    )
     device.read_all()
     assert asked == [
         ("coils", 0, 1), ("coils", 2, 11), ("discrete_inputs", 5, 3), ("input_registers", 0, 17),

@@ -8,8 +8,9 @@ import shutil
 import subprocess
 
 import pytest
-from map.output_devices import EVERYTHING, HOSTILE, RELAY_BOX
 from modbus_map.outputs import manual
+
+from map.output_devices import EVERYTHING, HOSTILE, RELAY_BOX
 
 
 class Page(html.parser.HTMLParser):
@@ -81,9 +82,15 @@ def test_chromium_shows_and_prints_it(tmp_path):
     """The browser's own tree holds the rows; a picture and a PDF come out."""
     (tmp_path / "drive.html").write_text(manual.page(EVERYTHING), encoding="utf-8")
     options = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu"]
-    acts = ["--dump-dom"], [f"--screenshot={tmp_path}/a.png", "--window-size=1200,900"], [f"--print-to-pdf={tmp_path}/a.pdf"]
+    acts = (
+        ["--dump-dom"],
+        [f"--screenshot={tmp_path}/a.png", "--window-size=1200,900"],
+        [f"--print-to-pdf={tmp_path}/a.pdf"],
+    )
     for act in acts:
-        made = subprocess.run([*options, *act, f"file://{tmp_path}/drive.html"], capture_output=True, text=True, check=True)
+        made = subprocess.run(
+            [*options, *act, f"file://{tmp_path}/drive.html"], capture_output=True, text=True, check=True
+        )
         if act == ["--dump-dom"]:
             assert len(re.findall(r'<tr id="', made.stdout)) == len(EVERYTHING.points)
             assert "<script" not in made.stdout

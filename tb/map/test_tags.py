@@ -8,15 +8,16 @@ import json
 import shutil
 import struct
 import subprocess
-import tomllib
 from pathlib import Path
 
 import jsonschema
 import pytest
+import tomllib
 import voluptuous as vol
 import yaml
-from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 from modbus_map.outputs import tags
+
+from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
 
 SCHEMAS = Path(__file__).parent / "schemas"
 DEVICES = pytest.mark.parametrize("device", [RELAY_BOX, EVERYTHING], ids=lambda d: d.name)
@@ -236,7 +237,9 @@ def test_web_of_things(device):
                 scale, offset = about.get("map:scale", 1), about.get("map:offset", 0)
                 one = about["items"] if about.get("type") == "array" else about
                 for number in found:
-                    jsonschema.validate(number, {k: v for k, v in one.items() if k in ("type", "minimum", "maximum", "oneOf")})
+                    jsonschema.validate(
+                        number, {k: v for k, v in one.items() if k in ("type", "minimum", "maximum", "oneOf")}
+                    )
                 found = [number * scale + offset for number in found]
             is_array = about.get("type") == "array"
             wanted = [values[f"{name}_{k}" if is_array else name] for k in range(len(found))]

@@ -12,9 +12,10 @@ import pytest
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 from harness.runner import PRODUCTS, ROOT, TB, sources
-from map.output_devices import EVERYTHING, RELAY_BOX
 from modbus_map.model import Line
 from modbus_map.outputs import verilog, vhdl
+
+from map.output_devices import EVERYTHING, RELAY_BOX
 
 SETTABLE = dataclasses.replace(EVERYTHING, name="settable", line=Line(5, 9600, "8N1", True))
 DEVICES = pytest.mark.parametrize("device", [RELAY_BOX, EVERYTHING, SETTABLE], ids=lambda d: d.name)
@@ -30,7 +31,7 @@ def ghdl(place, *command):
 def written(place, device):
     """Path of NAME.vhd in a folder."""
     place.mkdir(parents=True, exist_ok=True)
-    (path, text), = vhdl.generate(device).items()
+    ((path, text),) = vhdl.generate(device).items()
     (place / path).write_text(text, encoding="utf-8")
     return place / path
 

@@ -37,7 +37,10 @@ def _defines(device: Device, point: Point) -> list[str]:
     up = f"{device.name}_{point.name}".upper()
     rows = [(f"{up}_AT", f"{point.at}u"), (f"{up}_SIZE", f"{point.size}u")]
     if point.is_array:
-        rows += [(f"{up}_COUNT", f"{point.count}u"), (f"{up}_ITEM_AT(item)", f"({point.at}u + {point.width}u * (item))")]
+        rows += [
+            (f"{up}_COUNT", f"{point.count}u"),
+            (f"{up}_ITEM_AT(item)", f"({point.at}u + {point.width}u * (item))"),
+        ]
     if point.kind == "memory":
         rows.append((f"{up}_HOST_AT", f"0x{SPACES[point.table] << 16 | point.at:05X}u"))
     if not point.is_string:

@@ -131,7 +131,11 @@ def _classes(device: Device, main: str, values: str, kinds: dict[str, str]) -> l
         client = "ModbusBaseClient" if is_async else "ModbusBaseSyncClient"
         a, w = ("async ", "await ") if is_async else ("", "")
         example = (
-            f"await device.{usable[0].name}" if usable and is_async else f"device.{usable[0].name}" if usable else "device"
+            f"await device.{usable[0].name}"
+            if usable and is_async
+            else f"device.{usable[0].name}"
+            if usable
+            else "device"
         )
         lines += [
             "",
@@ -172,7 +176,8 @@ def _classes(device: Device, main: str, values: str, kinds: dict[str, str]) -> l
                 lines += [
                     f"    def {p.name}(self) -> {result}:",
                     f'        """{_about(p)}"""',
-                    f"        return self._read(_{p.name.upper()})" + ("" if is_async else "  # type: ignore[no-any-return]"),
+                    f"        return self._read(_{p.name.upper()})"
+                    + ("" if is_async else "  # type: ignore[no-any-return]"),
                 ]
             else:
                 lines += [
@@ -213,7 +218,14 @@ def generate(device: Device) -> dict[str, str]:
     """{NAME_client.py: text}."""
     names = _Names()
     main = names.new(shared.camel(device.name))
-    names.taken |= {f"{main}Async", "SyncDevice", "AsyncDevice", "ModbusError", "ModbusBaseClient", "ModbusBaseSyncClient"}
+    names.taken |= {
+        f"{main}Async",
+        "SyncDevice",
+        "AsyncDevice",
+        "ModbusError",
+        "ModbusBaseClient",
+        "ModbusBaseSyncClient",
+    }
     values = names.new(f"{main}Values")
     lines = [
         f'"""{_text(device.title)}: register map {_text(device.version)}, for a master in Python.',
@@ -249,7 +261,13 @@ def generate(device: Device) -> dict[str, str]:
             kind = f"{special} | int"
         kinds[point.name] = f"tuple[{kind}, ...]" if point.is_array else kind
         table.append(_point(point, device, special))
-    lines += ["", "", *table, "", "# What one request reads: table, address, quantity, and (point, item) in their order"]
+    lines += [
+        "",
+        "",
+        *table,
+        "",
+        "# What one request reads: table, address, quantity, and (point, item) in their order",
+    ]
     lines += ["_BLOCKS: list[Block] = ["]
     for block in shared.blocks(device):
         parts: list[str] = []

@@ -96,7 +96,10 @@ class Point(Generic[T]):
             return self.names(whole) if whole in self.names._value2member_map_ else whole
         if self.fields:
             return self.fields[0](
-                *(bool(whole >> low & 1) if width == 1 else whole >> low & (1 << width) - 1 for low, width in self.fields[1])
+                *(
+                    bool(whole >> low & 1) if width == 1 else whole >> low & (1 << width) - 1
+                    for low, width in self.fields[1]
+                )
             )
         if self.scale == 1 and self.offset == 0:
             return whole
@@ -178,10 +181,11 @@ def _writes(point: Point[Any], words: list[int]) -> list[tuple[str, int, Any]]:
     kind = "coil" if point.is_bit else "register"
     one = bool if point.is_bit else int
     most = 1968 if point.is_bit else 123 // point.width * point.width if point.width <= 123 else point.width
-    if len(words) == 1 and point.single or not point.multiple:
+    if (len(words) == 1 and point.single) or not point.multiple:
         return [(f"write_{kind}", point.at + k, one(word)) for k, word in enumerate(words)]
     return [
-        (f"write_{kind}s", point.at + k, [one(word) for word in words[k : k + most]]) for k in range(0, len(words), most)
+        (f"write_{kind}s", point.at + k, [one(word) for word in words[k : k + most]])
+        for k in range(0, len(words), most)
     ]
 
 

@@ -83,7 +83,9 @@ def _meaning(point: Point) -> tuple[str, list[str]]:
         notes.append("FIFO, read by function 24.")
     rows = [f"{item.number}: {item.label}" for item in point.enum]
     for part in point.fields:
-        rows.append(f"bit {part.low}: {part.name}" if part.width == 1 else f"bits {part.high} to {part.low}: {part.name}")
+        rows.append(
+            f"bit {part.low}: {part.name}" if part.width == 1 else f"bits {part.high} to {part.low}: {part.name}"
+        )
     return " ".join(notes), rows
 
 
@@ -125,7 +127,11 @@ def _plain(text: str) -> str:
 
 def markdown(device: Device) -> str:
     """The manual for a repository or a wiki."""
-    lines = [f"# {_plain(device.title or device.name)}", "", f"Register map of `{device.name}`, version {_plain(device.version)}."]
+    lines = [
+        f"# {_plain(device.title or device.name)}",
+        "",
+        f"Register map of `{device.name}`, version {_plain(device.version)}.",
+    ]
     if device.doc:
         lines += ["", _plain(device.doc)]
     lines += ["", "| | |", "|---|---|", *(f"| {name} | {_plain(text)} |" for name, text in _facts(device))]
@@ -191,7 +197,10 @@ def page(device: Device) -> str:
         lines += ["</tbody>", "</table></div>"]
     if device.files:
         heads = ("Number", "Name", "Records", "Access", "Meaning")
-        lines += ["<h2>Files</h2>", "<table><thead><tr>" + "".join(f"<th>{h}</th>" for h in heads) + "</tr></thead><tbody>"]
+        lines += [
+            "<h2>Files</h2>",
+            "<table><thead><tr>" + "".join(f"<th>{h}</th>" for h in heads) + "</tr></thead><tbody>",
+        ]
         for file in device.files:
             facts = [cell(str(file.number), "n"), cell(file.name, "name"), cell(str(file.records), "n")]
             lines.append(f"<tr>{''.join(facts)}{cell(ACCESS[file.access])}{cell(file.doc)}</tr>")

@@ -12,7 +12,7 @@ import hashlib
 import json
 from typing import Any
 
-from modbus_map.model import READ_FUNCTION, Device, Point
+from modbus_map.model import Device, Point
 from modbus_map.outputs import shared
 
 DATA_TYPES = {
@@ -138,7 +138,9 @@ def flow(device: Device) -> str:
         single, multiple = (5, 15) if point.is_bit else (6, 16)
         if not point.writable or not (device.has_function(single) or device.has_function(multiple)):
             continue
-        low, high = (None if raw is None or point.is_string else point.number(raw) for raw in (point.minimum, point.maximum))
+        low, high = (
+            None if raw is None or point.is_string else point.number(raw) for raw in (point.minimum, point.maximum)
+        )
         written[point.name] = _facts(point, point.at, point.count) | {
             "low": low, "high": high, "only": [i.number for i in point.enum] if point.enum_is_limit else None,
             "single": single if device.has_function(single) else 0, "multiple": multiple,

@@ -44,7 +44,9 @@ def _quoted(text: str) -> str:
 
 
 def _readable(device: Device) -> list[Point]:
-    return [p for _, points in device.tables() for p in points if p.readable and device.has_function(READ_FUNCTION[p.table])]
+    return [
+        p for _, points in device.tables() for p in points if p.readable and device.has_function(READ_FUNCTION[p.table])
+    ]
 
 
 def _text_reversed(point: Point) -> bool:
@@ -80,7 +82,11 @@ def telegraf(device: Device) -> str:
         lines += ["", "  [[inputs.modbus.request]]", f"    slave_id = {line.address}"]
         if table.endswith("registers"):
             lines.append(f'    byte_order = "{order}"')
-        lines += [f'    register = "{TELEGRAF_REGISTERS[table]}"', f"    measurement = {_quoted(device.name)}", "    fields = ["]
+        lines += [
+            f'    register = "{TELEGRAF_REGISTERS[table]}"',
+            f"    measurement = {_quoted(device.name)}",
+            "    fields = [",
+        ]
         for point in points:
             for item in range(point.count):
                 facts = [f"address={point.addresses(item)[0]}", f'name="{shared.item_name(point, item)}"']
@@ -221,7 +227,14 @@ def _references(point: Point, item: int) -> list[list[Any]]:
     unit = " ".join(point.unit.split())
     if point.offset:
         unit = f"{unit} (add {shared.decimal(point.offset)})".strip()
-    row: list[Any] = ["ref", shared.item_name(point, item), point.addresses(item)[0], kind, "rw" if point.writable else "r", unit]
+    row: list[Any] = [
+        "ref",
+        shared.item_name(point, item),
+        point.addresses(item)[0],
+        kind,
+        "rw" if point.writable else "r",
+        unit,
+    ]
     rows = [row + ([float(point.scale)] if point.scale != 1.0 else [])]
     rows += [
         ["ref", f"{shared.item_name(point, item)}.{part.name}", f"{point.addresses(item)[0]}:{part.low}", "bool", "r"]
@@ -247,7 +260,11 @@ def web_of_things(device: Device) -> str:
                 "title": shared.item_doc(point, 0).removesuffix(" 0") if point.is_array else shared.item_doc(point, 0),
                 **({"description": point.doc} if point.doc else {}),
             }
-            schema = {"type": "array", "items": one, "minItems": point.count, "maxItems": point.count} if point.is_array else one
+            schema = (
+                {"type": "array", "items": one, "minItems": point.count, "maxItems": point.count}
+                if point.is_array
+                else one
+            )
             form: dict[str, Any] = {
                 "href": f"/{device.line.address}/{point.at}?quantity={point.size}",
                 "op": [*(["readproperty"] if read else []), *(["writeproperty"] if point.writable else [])],
@@ -272,7 +289,11 @@ def web_of_things(device: Device) -> str:
     thing = {
         "@context": [
             "https://www.w3.org/2022/wot/td/v1.1",
-            {"modv": "https://www.w3.org/2019/wot/modbus#", "xsd": "http://www.w3.org/2001/XMLSchema#", "map": "urn:modbus-map:"},
+            {
+                "modv": "https://www.w3.org/2019/wot/modbus#",
+                "xsd": "http://www.w3.org/2001/XMLSchema#",
+                "map": "urn:modbus-map:",
+            },
         ],
         "id": f"urn:modbus-map:device:{device.name}",
         "title": device.title or device.name,

@@ -27,9 +27,13 @@ def _ports(device: Device, indent: str) -> list[str]:
         default = f" := {_rest(port)}" if port.direction == "input" and port.role in ("clock", "host") else ""
         if port.name == "clk_i":
             default = ""
-        text = f"{port.name:<{name}} : {direction} " + (f"{_type(port.width):<{kind}}{default}" if default else _type(port.width))
+        text = f"{port.name:<{name}} : {direction} " + (
+            f"{_type(port.width):<{kind}}{default}" if default else _type(port.width)
+        )
         rows.append(text)
-    return [f"{indent}port ("] + [f"{indent}  {row}{';' if row is not rows[-1] else ''}" for row in rows] + [f"{indent});"]
+    return (
+        [f"{indent}port ("] + [f"{indent}  {row}{';' if row is not rows[-1] else ''}" for row in rows] + [f"{indent});"]
+    )
 
 
 def _rest(port: Port) -> str:
