@@ -129,6 +129,30 @@ def _from_rdl(options: argparse.Namespace) -> int:
     return 0
 
 
+def _reference(options: argparse.Namespace) -> int:
+    from modbus_map import reference
+
+    path = Path(options.file)
+    path.write_text(reference.updated(path.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0
+
+
+def _fusesoc(options: argparse.Namespace) -> int:
+    """The generator of modbus_rtu_slave.core: parameters come in a file, a core file goes to the working folder."""
+    from modbus_map import loader, outputs
+
+    tree = loader.load(options.file).tree
+    file = Path(tree["files_root"]) / str(tree["parameters"]["file"])
+    device = device_of(str(file))
+    files = outputs.generate(device, ("verilog",))
+    files[f"{device.name}.core"] = (
+        f"CAPI=2:\nname: {tree['vlnv']}\nfilesets:\n  rtl:\n    files: [{device.name}.v]\n"
+        "    file_type: verilogSource-2005\ntargets:\n  default:\n    filesets: [rtl]\n"
+    )
+    write_all(files, ".")
+    return 0
+
+
 def _write_map(text: str, out: str) -> None:
     if out == "-":
         sys.stdout.write(text)
@@ -164,6 +188,14 @@ def _parser() -> argparse.ArgumentParser:
     table.add_argument("file", metavar="FILE")
     table.add_argument("-o", "--out", default="-", metavar="MAP")
     table.set_defaults(run=_from_csv)
+
+    tables = commands.add_parser("reference", help="make the tables of docs/map.md anew")
+    tables.add_argument("file", metavar="DOCUMENT")
+    tables.set_defaults(run=_reference)
+
+    fusesoc = commands.add_parser("fusesoc", help="what FuseSoC's generator calls")
+    fusesoc.add_argument("file", metavar="CONFIG")
+    fusesoc.set_defaults(run=_fusesoc)
 
     rdl = commands.add_parser("from-rdl", help="make a map file of SystemRDL with the properties of modbus_udp.rdl")
     rdl.add_argument("file", metavar="FILE")

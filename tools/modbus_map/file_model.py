@@ -421,7 +421,7 @@ _FILE_RW, _FILE_RW_SCHEMA = _words("rw", "ro")
 _KIND, _KIND_SCHEMA = _words("register", "wire", "memory", "constant")
 _ORDER, _ORDER_SCHEMA = _words("big", "little")
 _GAPS, _GAPS_SCHEMA = _words("exception", "zero")
-_FORMAT, _FORMAT_SCHEMA = _words(*FORMATS)
+_FORMAT, _ = _words(*FORMATS)
 Order = Annotated[Literal["big", "little"], _ORDER, _ORDER_SCHEMA]
 Kind = Annotated[Literal["register", "wire", "memory", "constant"], _KIND, _KIND_SCHEMA]
 
@@ -635,7 +635,8 @@ class LineFile(Strict):
     baud: Annotated[int, BeforeValidator(_baud), _schema(type="integer", minimum=1, maximum=10_000_000)] = Field(
         19200, description="bits per second"
     )
-    format: Annotated[str, _FORMAT, _FORMAT_SCHEMA] = Field("8E1", description="data bits, parity, stop bits")
+    # 80: YAML 1.2 reads 8E1 as a number, editors too.
+    format: Annotated[str, _FORMAT, _schema(enum=[*FORMATS, 80])] = Field("8E1", description="data bits, parity, stop bits")
     run_time: Boolean = Field(False, description="true: address, bit time and format are ports of the module")
 
 

@@ -71,23 +71,16 @@ def generate(device: Device) -> dict[str, str]:
     if device.doc:
         lines.append(f'  desc = "{encoded(device.doc)}";')
     head = dump.tree(device)
-    tables = dict.fromkeys(SPACES)
-    rest = CommentedMap((k, v) for k, v in head.items() if k not in tables and k not in ("fifos", "device"))
-    if not any(point.fifo for point in device.points):
-        rest.pop("fifos", None)
+    empty = [table for table in device.zero_gaps if not device.table(table)]  # they have no regfile
+    rest = CommentedMap((k, v) for k, v in head.items() if k in empty or k not in (*SPACES, "fifos", "device"))
     lines += [f'  modbus_device = "{encoded(flow(rest))}";', "  default regwidth = 16;", "  default accesswidth = 16;"]
-    order = [point.table for point in device.points]
     for table, points in device.tables():
         lines += ["", "  regfile {", f'    name = "{TITLES[table]}";', f'    modbus_table = "{table}";']
-        lines.append(f"    modbus_order = {list(dict.fromkeys(order)).index(table)};")
         if table in device.zero_gaps:
             lines.append('    modbus_gaps = "zero";')
         for point in points:
             lines += ["", *_register(point, device)]
         lines.append(f"  }} {table} @ 0x{SPACES[table] * TABLE_BYTES:X};")
-    for table in sorted(device.zero_gaps):
-        if not device.table(table):
-            lines += [f"  // {table} has no point: every address reads 0"]
     lines.append("};")
     return {f"{device.name}.rdl": "\n".join(lines) + "\n"}
 

@@ -72,26 +72,30 @@ def source_of(top: AddrmapNode, file: str) -> Source:
         tree["title"] = top.get_property("name")
         if top.get_property("desc"):
             tree["doc"] = top.get_property("desc")
-    registers: list[tuple[int, int, int, str, RegNode, int]] = []
-    _collect(top, registers, tree)
-    registers.sort(key=lambda row: row[:3])
-    for _, _, _, table, node, place in registers:
+    registers: list[tuple[int, int, str, RegNode, int]] = []
+    zero = _collect(top, registers)
+    registers.sort(key=lambda row: row[:2])
+    for _, _, table, node, place in registers:
         _add(made, table, node, place)
+    for table in zero:
+        tree.setdefault(table, []).append({"gaps": "zero"})
     return made
 
 
-def _collect(top: Node, registers: list[Any], tree: dict[str, Any]) -> None:
+def _collect(top: Node, registers: list[Any]) -> list[str]:
+    """Append (place among all, address, table, register, item) of each; returns the tables whose gaps read zero."""
+    zero = []
     for node in top.descendants(unroll=False):
         if isinstance(node, RegNode):
             table = _inherited(node, "modbus_table") or "holding_registers"
-            order = _inherited(node, "modbus_order") or 0
             index = _property(node, "modbus_index")
             address = node.raw_absolute_address
             base = (_table_node(node) or top).raw_absolute_address
             place = (address - base) // 2
-            registers.append((order, address if index is None else index, address, table, node, place))
+            registers.append((address if index is None else index, address, table, node, place))
         elif _property(node, "modbus_gaps") == "zero":
-            tree.setdefault(_property(node, "modbus_table"), []).append({"gaps": "zero"})
+            zero.append(_property(node, "modbus_table"))
+    return zero
 
 
 def _property(node: Any, name: str) -> Any:
