@@ -375,7 +375,7 @@ class Bank:
         lines = []
         if self.tracks:
             lines += [
-                "  // begun: the beat before this one was of the same kind, in the same burst.",
+                "  // begun: in this burst, the beat before this one was of the same kind.  The strobe of a beat comes with its kind.",
                 "  reg         begun_q = 1'b0;",
                 "  reg  [1:0]  kind_q;",
                 "  wire [1:0]  kind  = {space[2], wb_we_i};",
@@ -383,7 +383,7 @@ class Bank:
                 "",
                 "  always @(posedge clk_i) begin",
                 "    if (done) kind_q <= kind;",
-                "    begun_q <= (begun | done) & wb_cyc_i & ~grant_req_i & ~rst_i;",
+                "    begun_q <= (begun_q | done) & wb_cyc_i & ~grant_req_i & ~rst_i;",
                 "  end",
                 "",
             ]
