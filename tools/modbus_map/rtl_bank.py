@@ -377,8 +377,8 @@ class Bank:
             lines += [
                 "  // begun: in this burst, the beat before this one was of the same kind.  The strobe of a beat comes with its kind.",
                 "  reg         begun_q = 1'b0;",
-                "  reg  [1:0]  kind_q;",
-                "  wire [1:0]  kind  = {space[2], wb_we_i};",
+                "  reg  [3:0]  kind_q;",
+                "  wire [3:0]  kind  = {space, wb_we_i};",
                 "  wire        begun = begun_q & (kind == kind_q);",
                 "",
                 "  always @(posedge clk_i) begin",
