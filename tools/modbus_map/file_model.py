@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
@@ -48,7 +49,31 @@ FUNCTIONS = {
 
 def wrong(text: str) -> PydanticCustomError:
     """The error of a validator."""
-    return PydanticCustomError("map", "{text}", {"text": text})
+    return PydanticCustomError("map", "{text}", {"text": text, "items": []})
+
+
+class Each:
+    """Collects what is wrong with the items of a mapping or a list, each with its own place."""
+
+    def __init__(self) -> None:
+        self.items: list[tuple[Any, str, bool]] = []  # key or index, text, whether the key is meant
+
+    def check(self, key: Any, what: Callable[[], Any], of_key: bool = False) -> Any:
+        """The result of `what`, or None if it raises."""
+        try:
+            return what()
+        except PydanticCustomError as error:
+            self.items.append((key, error.message(), of_key))
+            return None
+
+    def note(self, key: Any, text: str, of_key: bool = False) -> None:
+        """Something is wrong with an item."""
+        self.items.append((key, text, of_key))
+
+    def done(self) -> None:
+        """Raise what was collected."""
+        if self.items:
+            raise PydanticCustomError("map", "{text}", {"text": self.items[0][1], "items": self.items})
 
 
 def shown(value: Any) -> str:
@@ -59,7 +84,7 @@ def shown(value: Any) -> str:
     if value is None:
         return "nothing"
     if isinstance(value, dict):
-        return "a mapping"
+        return "a mapping" if value else "an empty mapping"
     if isinstance(value, list):
         return "a list"
     return text if len(text) <= 40 else f"{text[:37]}..."
@@ -172,7 +197,10 @@ def _values(value: Any) -> Any:
     if isinstance(value, list):
         if not value:
             raise wrong("an empty list is no reset value; leave reset out")
-        return [_value(item) for item in value]
+        each = Each()
+        made = [each.check(index, lambda item=item: _value(item)) for index, item in enumerate(value)]
+        each.done()
+        return made
     return _value(value)
 
 
@@ -188,13 +216,16 @@ def _enum(value: Any) -> dict[int, str]:
     if not isinstance(value, dict) or not value:
         raise wrong(f"{shown(value)} is no enum; write {{0: idle, 1: running}}")
     out: dict[int, str] = {}
+    each = Each()
     for key, label in value.items():
         if isinstance(key, bool) or not isinstance(key, int):
-            raise wrong(f"{shown(key)} is no whole number; an enum is {{0: idle, 1: running}}, the number first")
-        text = _one_line(label)
-        if not text:
-            raise wrong(f"the value {shown(key)} has an empty name; write one")
+            each.note(key, f"{shown(key)} is no whole number; an enum is {{0: idle, 1: running}}, the number first", True)
+            continue
+        text = each.check(key, lambda label=label: _one_line(label))
+        if text == "":
+            each.note(key, f"the value {shown(key)} has an empty name; write one")
         out[int(key)] = text
+    each.done()
     return out
 
 
@@ -202,15 +233,19 @@ def _bits(value: Any) -> dict[str, tuple[int, int]]:
     if not isinstance(value, dict) or not value:
         raise wrong(f"{shown(value)} is no list of fields; write {{ready: 0, mode: 5..4}}")
     out: dict[str, tuple[int, int]] = {}
+    each = Each()
     for key, place in value.items():
-        name = _name(key)
-        found = re.fullmatch(r"(\d{1,2})(?:\s*(?:\.\.|:)\s*(\d{1,2}))?", _text(place).strip())
+        name = each.check(key, lambda key=key: _name(key), True)
+        found = re.fullmatch(r"(\d{1,2})(?:\s*(?:\.\.|:)\s*(\d{1,2}))?", shown(place).strip())
         if not found:
-            raise wrong(f"field {name}: {shown(place)} is no place; write one bit (3) or two (5..4)")
+            each.note(key, f"field {key}: {shown(place)} is no place; write one bit (3) or two (5..4)")
+            continue
         high, low = int(found[1]), int(found[2] or found[1])
         if high < low:
-            raise wrong(f"field {name}: {high}..{low} is the wrong way round; write {low}..{high}")
-        out[name] = (high, low)
+            each.note(key, f"field {key}: {high}..{low} is the wrong way round; write {low}..{high}")
+        elif name:
+            out[name] = (high, low)
+    each.done()
     return out
 
 
@@ -220,17 +255,20 @@ def _functions(value: Any) -> Any:
     if not isinstance(value, list):
         raise wrong(f"{shown(value)} is no list of function codes; write auto, or a list such as [03, 06, 16]")
     out: list[int] = []
-    for code in value:
+    each = Each()
+    for index, code in enumerate(value):
         if isinstance(code, bool) or not isinstance(code, int):
-            raise wrong(f"{shown(code)} is no function code; write it decimal (43) or as 0x2B")
-        if code not in FUNCTIONS:
-            hexadecimal = int(str(code), 16) if re.fullmatch(r"\d+", str(code)) and code < 1000 else 0
+            each.note(index, f"{shown(code)} is no function code; write it decimal (43) or as 0x2B")
+        elif code not in FUNCTIONS:
+            hexadecimal = int(str(code), 16) if re.fullmatch(r"\d{1,3}", str(code)) else 0
             hint = f"; did you mean 0x{hexadecimal:02X}?" if hexadecimal in FUNCTIONS else ""
             known = ", ".join(str(known) for known in FUNCTIONS)
-            raise wrong(f"the core has no function code {shown(code)}{hint or f'; it has {known}'}")
-        if code in out:
-            raise wrong(f"function code {shown(code)} is named twice; leave one out")
-        out.append(int(code))
+            each.note(index, f"the core has no function code {shown(code)}{hint or f'; it has {known}'}")
+        elif code in out:
+            each.note(index, f"function code {shown(code)} is named twice; leave one out")
+        else:
+            out.append(int(code))
+    each.done()
     return out
 
 
@@ -239,17 +277,21 @@ def _core(value: Any) -> dict[str, int]:
         raise wrong(f"{shown(value)} names no parameters; write {{RESPONSE_DELAY: 10}}")
     known = core_parameters.parameters()
     out = {}
+    each = Each()
     for key, number in value.items():
         name = str(key)
         if name in core_parameters.BY_THE_MAP:
-            raise wrong(f"{name} is made from the map; write it under {core_parameters.BY_THE_MAP[name]}")
-        if name in core_parameters.NOT_HERE:
-            raise wrong(f"{name} cannot be set: {core_parameters.NOT_HERE[name]}")
-        if name not in known:
-            raise wrong(f"the core has no parameter {shown(name)}; {nearest(name, known)}")
-        limits = known[name]
-        number = int(number) if isinstance(number, bool) else number
-        out[name] = _integer(limits.least, limits.most, name)(number)
+            text = f"{name} is made from the map; write it under {core_parameters.BY_THE_MAP[name]}"
+            each.note(key, text, True)
+        elif name in core_parameters.NOT_HERE:
+            each.note(key, f"{name} cannot be set: {core_parameters.NOT_HERE[name]}", True)
+        elif name not in known:
+            each.note(key, f"the core has no parameter {shown(name)}; {nearest(name, known)}", True)
+        else:
+            check = _integer(known[name].least, known[name].most, name)
+            number = int(number) if isinstance(number, bool) else number
+            out[name] = each.check(key, lambda check=check, number=number: check(number))
+    each.done()
     return out
 
 
@@ -265,13 +307,16 @@ def _identity_text(value: Any) -> str:
 def _private(value: Any) -> dict[int, str]:
     if not isinstance(value, dict):
         raise wrong(f"{shown(value)} names no objects; write {{0x80: text}}")
-    out = {}
+    out: dict[int, str] = {}
+    each = Each()
     for key, text in value.items():
         if isinstance(key, bool) or not isinstance(key, int) or not 0x80 <= key <= 0xFF:
-            raise wrong(f"{shown(key)} is no private object; their numbers are 0x80 to 0xFF")
-        out[int(key)] = _identity_text(text)
-        if not out[int(key)]:
-            raise wrong(f"object 0x{key:02X} is empty; leave it out")
+            each.note(key, f"{shown(key)} is no private object; their numbers are 0x80 to 0xFF", True)
+            continue
+        out[int(key)] = each.check(key, lambda text=text: _identity_text(text)) or ""
+        if text == "":
+            each.note(key, f"object 0x{key:02X} is empty; leave it out")
+    each.done()
     size = sum(2 + len(text) for text in out.values())
     if size > PRIVATE_BYTES:
         raise wrong(f"private objects of {size} bytes are too long; {PRIVATE_BYTES} with two for each object")
@@ -284,8 +329,10 @@ def _octets(most: int) -> Any:
             value = list(_identity_text(value).encode("ascii"))
         if not isinstance(value, list):
             value = [value]
-        for octet in value:
-            _integer(0, 255, "a byte")(octet)
+        each = Each()
+        for index, octet in enumerate(value):
+            each.check(index, lambda octet=octet: _integer(0, 255, "a byte")(octet))
+        each.done()
         if not 1 <= len(value) <= most:
             raise wrong(f"{len(value)} bytes do not fit; 1 to {most}")
         return bytes(value)
