@@ -119,12 +119,18 @@ class Bank:
         width = max(1, len(table).bit_length())
         files = any(space == FILES_SPACE for _, _, space in table)
         more = any(more for _, more, _ in table)
+        # Rows that begin at 0 and hold a power of two need no comparison: the address bits above must be 0.
+        round_ = all(row.low == 0 and row.high & (row.high + 1) == 0 for row, _, _ in table)
         lines = banner("May this range be accessed?")
         lines += ["  // A row is a run of addresses that may be read, or written.  A request is granted if a row holds all of it."]
         if more:
             lines += ["  // Where a table has several rows they are tried one a clock."]
         lines += [f"  reg  {bits(width):<6} row_q;", f"  reg  {bits(width):<6} first_row;"]
-        lines += ["  reg  [15:0] low, high;             // first and last address of the row"]
+        if round_:
+            lines += ["  reg  [15:0] high;                  // last address of the row; the first is 0"]
+            lines += ["  reg         exists;                // there is a row"]
+        else:
+            lines += ["  reg  [15:0] low, high;             // first and last address of the row"]
         lines += ["  reg  [15:0] file;                  // its file"] if files else []
         lines += ["  reg         more;                  // the next row is to be tried too"] if more else []
         lines += ["", "  always @* begin", "    case ({grant_write_i, grant_space_i})"]
@@ -132,19 +138,19 @@ class Bank:
             number = literal(width, plan.first_row(write, space))
             lines.append(f"      {{1'b{int(write)}, {SPACE_NAMES[space]}}}: first_row = {number};")
         lines += [f"      default: first_row = {literal(width, len(table))};", "    endcase"]
-        fields = ["more"] * more + ["file"] * files + ["low", "high"]
+        fields = ["more"] * more + ["file"] * files + (["exists", "high"] if round_ else ["low", "high"])
         lines.append("    case (row_q)")
         for number, (row, again, space) in enumerate(table):
             values = ([f"1'b{int(again)}"] if more else []) + ([f"16'd{row.file}"] if files else [])
-            values += [f"16'd{row.low}", f"16'd{row.high}"]
+            values += ["1'b1" if round_ else f"16'd{row.low}", f"16'd{row.high}"]
             what = f"{TABLE_WORDS[space]}s {row.low} to {row.high}" + (f" of file {row.file}" if row.file else "")
             lines.append(
                 f"      {literal(width, number)}: {{{', '.join(fields)}}} = {{{', '.join(values)}}};  // {what}"
             )
-        nothing = (["1'b0"] if more else []) + (["16'd0"] if files else []) + ["16'hFFFF", "16'h0000"]
+        nothing = (["1'b0"] if more else []) + (["16'd0"] if files else []) + (["1'b0", "16'h0000"] if round_ else ["16'hFFFF", "16'h0000"])
         lines.append(f"      default: {{{', '.join(fields)}}} = {{{', '.join(nothing)}}};  // nothing")
         lines += ["    endcase", "  end", ""]
-        fits = "(grant_first_i >= low) & (grant_last_i <= high)"
+        fits = "exists & ((grant_last_i & ~high) == 16'd0)" if round_ else "(grant_first_i >= low) & (grant_last_i <= high)"
         if files:
             fits += f" & (grant_space_i != {SPACE_NAMES[4]} | grant_file_i == file)"
         lines += ["  reg  asked_q = 1'b0;               // row_q is a row of the question", "  reg  grant_ack_q = 1'b0, grant_refused_q = 1'b0;"]
@@ -375,15 +381,15 @@ class Bank:
         lines = []
         if self.tracks:
             lines += [
-                "  // begun: the beat before this one was of the same kind, in the same burst.",
+                "  // begun: in this burst, the beat before this one was of the same kind.  The strobe of a beat comes with its kind.",
                 "  reg         begun_q = 1'b0;",
-                "  reg  [1:0]  kind_q;",
-                "  wire [1:0]  kind  = {space[2], wb_we_i};",
+                "  reg  [3:0]  kind_q;",
+                "  wire [3:0]  kind  = {space, wb_we_i};",
                 "  wire        begun = begun_q & (kind == kind_q);",
                 "",
                 "  always @(posedge clk_i) begin",
                 "    if (done) kind_q <= kind;",
-                "    begun_q <= (begun | done) & wb_cyc_i & ~grant_req_i & ~rst_i;",
+                "    begun_q <= (begun_q | done) & wb_cyc_i & ~grant_req_i & ~rst_i;",
                 "  end",
                 "",
             ]
@@ -792,7 +798,7 @@ class Bank:
             "",
             "  // What this map does not need of the bus:",
         ]
-        unused = ["grant_file_i", "wb_we_i", "wb_dat_i", "space", "address"]
+        unused = ["grant_first_i", "grant_file_i", "wb_we_i", "wb_dat_i", "space", "address"]
         unused += ["host_adr_i"] if plan.areas else []
         lines.append(f"  wire unused = &{{1'b0, {', '.join(unused)}}};")
         return lines
