@@ -80,7 +80,12 @@ def maps(draw):
     if draw(st.booleans()):
         made["doc"] = draw(DOC)
     if draw(st.booleans()):
-        made["identity"] = {"vendor": draw(ASCII), "url": draw(ASCII), "private": {0x80: draw(ASCII)}, "server_id": [9, 0]}
+        made["identity"] = {
+            "vendor": draw(ASCII),
+            "url": draw(ASCII),
+            "private": {0x80: draw(ASCII)},
+            "server_id": [9, 0],
+        }
     made["line"] = {
         "address": draw(st.integers(1, 247)),
         "baud": draw(st.sampled_from((9600, 115200))),

@@ -89,8 +89,14 @@ def test_warning_goes_to_standard_error_and_the_map_is_built(tmp_path):
     [
         (lambda path: None, "1:1: no such file; name the map file"),
         (lambda path: path.mkdir(), "1:1: this is a folder; name the map file in it"),
-        (lambda path: path.write_bytes(b"device: box\ntitle: B\xe4hr\n"), "2:9: byte E4 is no UTF-8; save the file as UTF-8"),
-        (lambda path: path.write_bytes(b"x" * 4_000_001), "1:1: 4000001 bytes are no map file; at most 4000000 are read"),
+        (
+            lambda path: path.write_bytes(b"device: box\ntitle: B\xe4hr\n"),
+            "2:9: byte E4 is no UTF-8; save the file as UTF-8",
+        ),
+        (
+            lambda path: path.write_bytes(b"x" * 4_000_001),
+            "1:1: 4000001 bytes are no map file; at most 4000000 are read",
+        ),
     ],
 )
 def test_file_that_cannot_be_read(tmp_path, make, text):
@@ -123,7 +129,9 @@ def test_make_map_without_variables():
 CSV = "# device: box\ntable,at,name,type,min,max,default,unit\n"
 CSV_CASES = {
     "column": ("table,at,name,tpye\ncoil,0,a,\n", ["1:15: unknown column tpye; did you mean type?"]),
-    "no name": ("table,at\ncoil,0\n", ["1:1: there is no column name; the header is table,at,name,type,...", "2:1: the key name is missing; write name: relay"]),
+    "no name": ("table,at\ncoil,0\n", [
+            "1:1: there is no column name; the header is table,at,name,type,...",
+            "2:1: the key name is missing; write name: relay"]),
     "two columns": ("table,at,address,name\ncoil,0,,a\n", ["1:10: a second column for at; leave one out"]),
     "table": (CSV + "holdin,0,a,u16,,,,\n", ["3:1: holdin is no table; did you mean holding?"]),
     "value": (CSV + "holding,0,a,u16,0,9,70000,V\n", ["3:21: reset 70000 is outside the type; u16 is 0 to 65535"]),

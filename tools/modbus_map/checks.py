@@ -109,7 +109,9 @@ class _Compiler:
                 inner = _inner(inner, step)
             known = [name for name in inner.model_fields if name not in self.tree_at(where[:-1])]
             hint = nearest(str(key), inner.model_fields)
-            self.error(where, f"unknown key {shown(key)}; {hint if '?' in hint else nearest(str(key), known)}", key=True)
+            self.error(
+                where, f"unknown key {shown(key)}; {hint if '?' in hint else nearest(str(key), known)}", key=True
+            )
         elif kind == "missing":
             self.error(where[:-1], f"the key {key} is missing; write {key}: {_EXAMPLES.get(str(key), 'its value')}")
         elif kind == "map":
@@ -415,7 +417,9 @@ class _Compiler:
             if not point.is_scaled:
                 near = sorted({number.numerator // number.denominator, -(-number.numerator // number.denominator)})
                 choice = " or ".join(map(str, near))
-                self.error(path, f"{what} {shown(value)} is no whole number; {point.type} takes {choice}, or write a scale")
+                self.error(
+                    path, f"{what} {shown(value)} is no whole number; {point.type} takes {choice}, or write a scale"
+                )
                 return None
             floor = number.numerator // number.denominator
             near = " or ".join(_decimal(n * scale + offset) for n in (floor, floor + 1))
@@ -429,7 +433,9 @@ class _Compiler:
             raw = 0
             if point.is_limited and not point.accepts(0) and point.writable:
                 raw = self.first_legal(point)
-                self.warn(path, f"0 is not allowed here, so {point.name} begins with {point.value(raw)}; write reset: VALUE")
+                self.warn(
+                    path, f"0 is not allowed here, so {point.name} begins with {point.value(raw)}; write reset: VALUE"
+                )
             return (raw,) * point.count
         if isinstance(given, list) and len(given) != point.count:
             many = f"{len(given)} values for {point.count} item{'s' if point.count > 1 else ''}"
@@ -490,7 +496,9 @@ class _Compiler:
 
     def fields(self, parsed: Any, point: Point, path: Path_) -> tuple[BitField, ...]:
         if point.type not in ("bits", "u16", "u32", "u64"):
-            self.error((*path, "bits"), f"{_a(point.type)} has no bit fields; take type: bits, or u16, u32, u64", key=True)
+            self.error(
+                (*path, "bits"), f"{_a(point.type)} has no bit fields; take type: bits, or u16, u32, u64", key=True
+            )
             return ()
         if parsed.enum:
             self.error((*path, "enum"), "a point has bits or an enum; leave one of them out", key=True)
@@ -563,7 +571,9 @@ class _Compiler:
             made.append(File(parsed.number, parsed.name, parsed.records, parsed.access, parsed.doc.strip()))
         total = sum(file.records for file in made)
         if total > ITEMS:
-            self.error(("files",), f"{total} records are too many for one memory; at most {ITEMS} in all files", key=True)
+            self.error(
+                ("files",), f"{total} records are too many for one memory; at most {ITEMS} in all files", key=True
+            )
         return made
 
     # ---------------------------------------------------------------- what concerns several points
@@ -578,7 +588,7 @@ class _Compiler:
                     line = self.line_of(self.paths[first.name])
                     text = (
                         f"{later.name} ({_span(later)}) overlaps {first.name} ({_span(first)}) of line {line}; "
-                        f"the next free address is {max(first.last, later.last if later is furthest else first.last) + 1}"
+                        f"the next free address is {furthest.last + 1}"
                     )
                     self.error((*self.paths[later.name], "at"), text)
                 if furthest is None or point.last > furthest.last:
@@ -609,8 +619,10 @@ class _Compiler:
             for before, after in itertools.pairwise(points):
                 free = after.at - before.last - 1
                 if free > 0:
-                    where = f"address {before.last + 1} is" if free == 1 else (
-                        f"addresses {before.last + 1} to {after.at - 1} are"
+                    where = (
+                        f"address {before.last + 1} is"
+                        if free == 1
+                        else (f"addresses {before.last + 1} to {after.at - 1} are")
                     )
                     text = (
                         f"{where} covered by no point: a block read across answers exception 02; "
@@ -620,7 +632,9 @@ class _Compiler:
             if any(point.readable for point in points):
                 for point in points[1:-1]:
                     if not point.readable:
-                        text = f"a block read across {point.name} answers exception 02; move it to the end, or access: rw"
+                        text = (
+                            f"a block read across {point.name} answers exception 02; move it to the end, or access: rw"
+                        )
                         self.warn((*self.paths[point.name], "access"), text)
 
     def ports(self, device: Device) -> None:
@@ -649,7 +663,9 @@ class _Compiler:
         if len(given.additional_data) > room:
             text = f"{len(given.additional_data)} bytes do not fit behind server_id; at most {room}"
             self.error(("identity", "additional_data"), text)
-        level = 0x83 if given.private else 0x82 if any((given.url, given.name, given.model, given.application)) else 0x81
+        level = (
+            0x83 if given.private else 0x82 if any((given.url, given.name, given.model, given.application)) else 0x81
+        )
         if given.conformity is not None and (given.conformity & 0x7F) < level & 0x7F:
             kind = "private" if given.private else "regular"
             text = f"conformity 0x{given.conformity:02X} hides the {kind} objects; write 0x{level:02X}"
@@ -713,7 +729,9 @@ class _Compiler:
                 self.error(("functions",), text)
             if writes and not writers & codes:
                 options = " or ".join(str(code) for code in WRITE_FUNCTIONS[table][:2])
-                self.error(("functions",), f"no function code writes {table} ({writes[0]}); add {options}, or access: ro")
+                self.error(
+                    ("functions",), f"no function code writes {table} ({writes[0]}); add {options}, or access: ro"
+                )
             wide = [point.name for point in points if point.writable and point.width > 1]
             if table == "holding_registers" and wide and writers & codes and not {0x10, 0x17} & codes:
                 text = f"{wide[0]} has several registers, and no function code writes them in one request; add 16"

@@ -44,7 +44,15 @@ COLUMNS = {
 }
 TABLE_WORDS = {
     "coils": ("coils", "coil", "0x", "do", "digital output"),
-    "discrete_inputs": ("discrete_inputs", "discrete inputs", "discrete input", "discrete", "1x", "di", "digital input"),
+    "discrete_inputs": (
+        "discrete_inputs",
+        "discrete inputs",
+        "discrete input",
+        "discrete",
+        "1x",
+        "di",
+        "digital input",
+    ),
     "input_registers": ("input_registers", "input registers", "input register", "input", "3x", "ai"),
     "holding_registers": ("holding_registers", "holding registers", "holding register", "holding", "4x", "ao"),
 }
@@ -147,7 +155,9 @@ class _Rows:
     def row(self, row: list[str], columns: list[str], places: list[int], line: int) -> None:
         cells = {key: (cell.strip(), at) for key, cell, at in zip(columns, row, places) if key and cell.strip()}
         if len(row) > len(columns):
-            self.note(line, places[len(columns)], f"{len(row)} cells in a table of {len(columns)} columns; quote the text")
+            self.note(
+                line, places[len(columns)], f"{len(row)} cells in a table of {len(columns)} columns; quote the text"
+            )
         table = self.table(cells, line)
         if not table:
             return
@@ -188,7 +198,9 @@ class _Rows:
         for table, words in TABLE_WORDS.items():
             if word.lower() in words:
                 return table
-        self.note(line, column, f"{word} is no table; {nearest(word, [w for words in TABLE_WORDS.values() for w in words])}")
+        self.note(
+            line, column, f"{word} is no table; {nearest(word, [w for words in TABLE_WORDS.values() for w in words])}"
+        )
         return ""
 
     def cell(self, key: str, cell: str, path: Path_) -> Any:

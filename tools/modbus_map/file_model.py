@@ -219,7 +219,9 @@ def _enum(value: Any) -> dict[int, str]:
     each = Each()
     for key, label in value.items():
         if isinstance(key, bool) or not isinstance(key, int):
-            each.note(key, f"{shown(key)} is no whole number; an enum is {{0: idle, 1: running}}, the number first", True)
+            each.note(
+                key, f"{shown(key)} is no whole number; an enum is {{0: idle, 1: running}}, the number first", True
+            )
             continue
         text = each.check(key, lambda label=label: _one_line(label))
         if text == "":
@@ -365,9 +367,7 @@ NameField = Annotated[
 Address = Annotated[
     int, BeforeValidator(_integer(0, ITEMS - 1, "an address")), _schema(type="integer", minimum=0, maximum=ITEMS - 1)
 ]
-Count = Annotated[
-    int, BeforeValidator(_integer(1, ITEMS, "count")), _schema(type="integer", minimum=1, maximum=ITEMS)
-]
+Count = Annotated[int, BeforeValidator(_integer(1, ITEMS, "count")), _schema(type="integer", minimum=1, maximum=ITEMS)]
 Boolean = Annotated[bool, BeforeValidator(_boolean), _schema(type="boolean")]
 ValueField = Annotated[
     Any,
@@ -418,6 +418,7 @@ def _words(*allowed: str) -> tuple[BeforeValidator, WithJsonSchema]:
 _RW, _RW_SCHEMA = _words("rw", "ro", "wo")
 _RO, _RO_SCHEMA = _words("ro")
 _FILE_RW, _FILE_RW_SCHEMA = _words("rw", "ro")
+_BOOL, _BOOL_SCHEMA = _words("bool")
 _KIND, _KIND_SCHEMA = _words("register", "wire", "memory", "constant")
 _ORDER, _ORDER_SCHEMA = _words("big", "little")
 _GAPS, _GAPS_SCHEMA = _words("exception", "zero")
@@ -484,15 +485,15 @@ class InputPoint(PointFile):
 class BitPoint(PointFile):
     """What the points of the bit tables have."""
 
-    type: Annotated[Literal["bool"], *_words("bool")] = Field("bool", description="bool, the only one of a bit table")
+    type: Annotated[Literal["bool"], _BOOL, _BOOL_SCHEMA] = Field("bool", description="bool, nothing else")
 
 
 class RegisterPoint(PointFile):
     """What the points of the register tables have."""
 
-    type: (
-        Annotated[str, BeforeValidator(_type), _schema(type="string", pattern=TYPE_PATTERN)] | None
-    ) = Field(None, description="u16 (default) i16 u32 i32 u64 i64 f32 f64 bits string<N>; N characters, two a register")
+    type: Annotated[str, BeforeValidator(_type), _schema(type="string", pattern=TYPE_PATTERN)] | None = Field(
+        None, description="u16 (default) i16 u32 i32 u64 i64 f32 f64 bits string<N>; N characters, two a register"
+    )
     min: LimitField | None = Field(None, description="least value; a write below it answers exception 03")
     max: LimitField | None = Field(None, description="greatest value; a write above it answers exception 03")
     bits: BitsField | None = Field(None, description="named fields of the register: {ready: 0, mode: 5..4}")
@@ -558,14 +559,16 @@ class HoldingTable(GapsItem):
 class FileFile(Strict):
     """A file of function codes 14H and 15H, in memory behind the host port."""
 
-    number: Annotated[int, BeforeValidator(_integer(1, 65535, "a file number")), _schema(type="integer", minimum=1, maximum=65535)] = Field(
-        description="file number"
-    )
+    number: Annotated[
+        int, BeforeValidator(_integer(1, 65535, "a file number")), _schema(type="integer", minimum=1, maximum=65535)
+    ] = Field(description="file number")
     name: NameField = Field(description="name in every language")
-    records: Annotated[int, BeforeValidator(_integer(1, 10000, "records")), _schema(type="integer", minimum=1, maximum=10000)] = Field(
-        256, description="records 0 to records - 1 of 16 bits"
+    records: Annotated[
+        int, BeforeValidator(_integer(1, 10000, "records")), _schema(type="integer", minimum=1, maximum=10000)
+    ] = Field(256, description="records 0 to records - 1 of 16 bits")
+    access: Annotated[Literal["rw", "ro"], _FILE_RW, _FILE_RW_SCHEMA] = Field(
+        "rw", description="ro: only the host writes"
     )
-    access: Annotated[Literal["rw", "ro"], _FILE_RW, _FILE_RW_SCHEMA] = Field("rw", description="ro: only the host writes")
     doc: TextField = Field("", description="meaning")
 
 
@@ -574,8 +577,8 @@ class FifoFile(Strict):
 
     at: Address = Field(description="address of the count")
     name: NameField = Field(description="name in every language")
-    depth: Annotated[int, BeforeValidator(_integer(1, 31, "depth")), _schema(type="integer", minimum=1, maximum=31)] = Field(
-        31, description="most entries"
+    depth: Annotated[int, BeforeValidator(_integer(1, 31, "depth")), _schema(type="integer", minimum=1, maximum=31)] = (
+        Field(31, description="most entries")
     )
     doc: TextField = Field("", description="meaning")
 
@@ -595,7 +598,9 @@ class IdentityFile(Strict):
         BeforeValidator(_private),
         _schema(
             type="object",
-            patternProperties={"^(0x[89a-fA-F][0-9a-fA-F]|1[3-9][0-9]|12[89]|2[0-4][0-9]|25[0-5])$": {"type": ["string", "number"]}},
+            patternProperties={
+                "^(0x[89a-fA-F][0-9a-fA-F]|1[3-9][0-9]|12[89]|2[0-4][0-9]|25[0-5])$": {"type": ["string", "number"]}
+            },
             additionalProperties=False,
         ),
     ] = Field(default_factory=dict, description="objects 0x80 to 0xFF: {0x80: text}")
@@ -606,7 +611,12 @@ class IdentityFile(Strict):
             anyOf=[
                 {"type": "string", "minLength": 1, "maxLength": 16},
                 {"type": "integer", "minimum": 0, "maximum": 255},
-                {"type": "array", "minItems": 1, "maxItems": 16, "items": {"type": "integer", "minimum": 0, "maximum": 255}},
+                {
+                    "type": "array",
+                    "minItems": 1,
+                    "maxItems": 16,
+                    "items": {"type": "integer", "minimum": 0, "maximum": 255},
+                },
             ]
         ),
     ] = Field(b"", description="answer of function code 11H: a text, a byte, or a list of bytes")
@@ -617,7 +627,12 @@ class IdentityFile(Strict):
             anyOf=[
                 {"type": "string", "minLength": 1, "maxLength": 244},
                 {"type": "integer", "minimum": 0, "maximum": 255},
-                {"type": "array", "minItems": 1, "maxItems": 249, "items": {"type": "integer", "minimum": 0, "maximum": 255}},
+                {
+                    "type": "array",
+                    "minItems": 1,
+                    "maxItems": 249,
+                    "items": {"type": "integer", "minimum": 0, "maximum": 255},
+                },
             ]
         ),
     ] = Field(b"", description="what function code 11H answers behind the run indicator")
@@ -629,14 +644,16 @@ class IdentityFile(Strict):
 class LineFile(Strict):
     """The serial line."""
 
-    address: Annotated[int, BeforeValidator(_integer(1, 247, "a slave address")), _schema(type="integer", minimum=1, maximum=247)] = Field(
-        1, description="slave address"
-    )
+    address: Annotated[
+        int, BeforeValidator(_integer(1, 247, "a slave address")), _schema(type="integer", minimum=1, maximum=247)
+    ] = Field(1, description="slave address")
     baud: Annotated[int, BeforeValidator(_baud), _schema(type="integer", minimum=1, maximum=10_000_000)] = Field(
         19200, description="bits per second"
     )
     # 80: YAML 1.2 reads 8E1 as a number, editors too.
-    format: Annotated[str, _FORMAT, _schema(enum=[*FORMATS, 80])] = Field("8E1", description="data bits, parity, stop bits")
+    format: Annotated[str, _FORMAT, _schema(enum=[*FORMATS, 80])] = Field(
+        "8E1", description="data bits, parity, stop bits"
+    )
     run_time: Boolean = Field(False, description="true: address, bit time and format are ports of the module")
 
 
@@ -677,7 +694,9 @@ class DeviceFile(Strict):
     files: list[FileFile] = Field(default_factory=list, description="files of function codes 14H and 15H")
     fifos: list[FifoFile] = Field(default_factory=list, description="FIFO queues of function code 18H")
     coils: list[Coil | GapsItem] | CoilTable = Field(default_factory=list, description="bits, read and written")
-    discrete_inputs: list[DiscreteInput | GapsItem] | DiscreteTable = Field(default_factory=list, description="bits, read")
+    discrete_inputs: list[DiscreteInput | GapsItem] | DiscreteTable = Field(
+        default_factory=list, description="bits, read"
+    )
     input_registers: list[InputRegister | GapsItem] | InputTable = Field(
         default_factory=list, description="registers, read"
     )

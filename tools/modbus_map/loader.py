@@ -236,7 +236,9 @@ class _Builder:
             child = (*path, key)
             if key in made:
                 line = self.source.keys[child][0]
-                self.note(event, f"{event.value} is here for the second time; the first is in line {line}, leave one out")
+                self.note(
+                    event, f"{event.value} is here for the second time; the first is in line {line}, leave one out"
+                )
                 self.node(next(self.events), (*path, "?"))
                 continue
             self.source.keys[child] = place

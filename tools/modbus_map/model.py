@@ -239,7 +239,7 @@ class Point:
 
     @property
     def enum_is_limit(self) -> bool:
-        """True if only the values of `enum` may be written: without minimum and maximum, and some value is not named."""
+        """True if only the values of `enum` may be written: no minimum, no maximum, some value without a name."""
         return bool(self.enum) and self.minimum is None and self.maximum is None and len(self.enum) < 1 << self.bits
 
     @property

@@ -10,7 +10,8 @@ import re
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")  # VHDL allows no other underscores
 LONGEST = 48
 
-VERILOG = frozenset("""
+VERILOG = frozenset(
+    """
     always and assign automatic begin buf bufif0 bufif1 case casex casez cell cmos config deassign default defparam
     design disable edge else end endcase endconfig endfunction endgenerate endmodule endprimitive endspecify endtable
     endtask event for force forever fork function generate genvar highz0 highz1 if ifnone incdir include initial inout
@@ -19,8 +20,10 @@ VERILOG = frozenset("""
     pulsestyle_onevent pulsestyle_ondetect rcmos real realtime reg release repeat rnmos rpmos rtran rtranif0 rtranif1
     scalared showcancelled signed small specify specparam strong0 strong1 supply0 supply1 table task time tran tranif0
     tranif1 tri tri0 tri1 triand trior trireg unsigned use uwire vectored wait wand weak0 weak1 while wire wor xnor xor
-    """.split())
-SYSTEMVERILOG = frozenset("""
+    """.split()
+)
+SYSTEMVERILOG = frozenset(
+    """
     accept_on alias always_comb always_ff always_latch assert assume before bind bins binsof bit break byte chandle
     checker class clocking const constraint context continue cover covergroup coverpoint cross dist do endchecker
     endclass endclocking endgroup endinterface endpackage endprogram endproperty endsequence enum eventually expect
@@ -31,23 +34,28 @@ SYSTEMVERILOG = frozenset("""
     soft solve static string strong struct super sync_accept_on sync_reject_on tagged this throughout timeprecision
     timeunit type typedef union unique unique0 until until_with untyped var virtual void wait_order weak wildcard with
     within
-    """.split())
-VHDL = frozenset("""
+    """.split()
+)
+VHDL = frozenset(
+    """
     abs access after alias all and architecture array assert attribute begin block body buffer bus case component
     configuration constant disconnect downto else elsif end entity exit file for function generate generic group guarded
     if impure in inertial inout is label library linkage literal loop map mod nand new next nor not null of on open or
     others out package port postponed procedure process protected pure range record register reject rem report return
     rol ror select severity shared signal sla sll sra srl subtype then to transport type unaffected units until use
     variable wait when while with xnor xor
-    """.split())
-C = frozenset("""
+    """.split()
+)
+C = frozenset(
+    """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     alignas alignof and and_eq asm bitand bitor bool catch class compl const_cast constexpr decltype delete
     dynamic_cast explicit export false friend mutable namespace new noexcept not not_eq nullptr operator or or_eq
     private protected public reinterpret_cast static_assert static_cast template this thread_local throw true try
     typeid typename using virtual wchar_t xor xor_eq
-    """.split())
+    """.split()
+)
 PYTHON = frozenset(keyword.kwlist)
 
 # Attributes that the Python client has beside the points.

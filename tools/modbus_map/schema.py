@@ -27,7 +27,9 @@ def text() -> str:
 def _tidy(node: Any) -> None:
     """Leave out titles that repeat the key, and the null that stands for a key that is not there."""
     if isinstance(node, dict):
-        if isinstance(node.get("title"), str) and ("type" in node or "$ref" in node or "anyOf" in node or "enum" in node):
+        if isinstance(node.get("title"), str) and (
+            "type" in node or "$ref" in node or "anyOf" in node or "enum" in node
+        ):
             del node["title"]
         if isinstance(node.get("anyOf"), list):
             rest = [option for option in node["anyOf"] if option != {"type": "null"}]

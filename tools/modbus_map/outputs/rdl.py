@@ -24,12 +24,14 @@ TITLES = {
     "input_registers": "Input registers",
     "holding_registers": "Holding registers",
 }
-WORDS = frozenset("""
+WORDS = frozenset(
+    """
     abstract accesstype addressingtype addrmap alias all boolean bothedge bit compact component constraint
     componentwidth default encode enum external false field fullalign hw inside internal level longint mem na
     negedge nonsticky number onreadtype onwritetype posedge property r rclr ref reg regalign regfile rset ruser rw
     rw1 signal string struct sw this true type unsigned w w1 wclr woclr woset wot wr wset wuser wzc wzs wzt
-    """.split())
+    """.split()
+)
 
 
 def encoded(text: str) -> str:
@@ -135,14 +137,19 @@ def _fields(point: Point) -> list[str]:
         lines.append("      enum values_e {")
         for item in point.enum:
             label = encoded(item.label)
-            lines.append(f"        {item.ident}_{item.raw} = {max(width, 1)}'h{item.raw:X} {{ name = \"{label}\"; }};")
+            lines.append(f'        {item.ident}_{item.raw} = {max(width, 1)}\'h{item.raw:X} {{ name = "{label}"; }};')
         lines.append("      };")
     if point.fields:
         for part in point.fields:
             reset = (point.reset & part.mask) >> part.low
-            lines.append(f"      field {{ {common} reset = {part.width}'h{reset:X}; }} {name_of(part.name)}[{part.high}:{part.low}];")
+            place = f"{name_of(part.name)}[{part.high}:{part.low}]"
+            lines.append(f"      field {{ {common} reset = {part.width}'h{reset:X}; }} {place};")
         return lines
-    reset = "" if point.is_string or point.kind == "wire" or len(set(point.resets)) > 1 else f" reset = {width}'h{point.reset:X};"
+    reset = (
+        ""
+        if point.is_string or point.kind == "wire" or len(set(point.resets)) > 1
+        else f" reset = {width}'h{point.reset:X};"
+    )
     encode = " encode = values_e;" if point.enum else ""
     lines.append(f"      field {{ {common}{reset}{encode} }} value[{width - 1}:0];")
     return lines

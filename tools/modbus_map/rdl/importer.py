@@ -149,7 +149,9 @@ def _add(made: Source, table: str, node: RegNode, place: int) -> None:
     bit = table in ("coils", "discrete_inputs")
     kind_of = _text(node, "modbus_type")
     if kind_of is None and not bit:
-        kind_of = {16: "u16", 32: "u32", 64: "u64"}.get(node.get_property("regwidth"), f"u{node.get_property('regwidth')}")
+        kind_of = {16: "u16", 32: "u32", 64: "u64"}.get(
+            node.get_property("regwidth"), f"u{node.get_property('regwidth')}"
+        )
     if kind_of:
         point["type"] = kind_of
     count = _property(node, "modbus_count")
