@@ -28,16 +28,20 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tools/bootstrap.sh apt demo
-$(foreach set,demo test lint formal fpga ecp5 peers boards fusesoc,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo test lint formal fpga ecp5 peers boards fusesoc map,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
-.PHONY: help demo serve quick test nightly lint formal synth peers bitstream waves mistakes fusesoc clean
+.PHONY: help demo serve map quick test nightly lint formal synth peers bitstream waves mistakes fusesoc clean
 
 ##@ Use
 -include sim/live.mk
 ## demo      bring the core up as a live serial device and play the specification's examples against it
 ## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=
+
+map: $(call stamp,map)  ## a device from one file, with all that belongs to it: FILE=device.yaml OUT=folder
+	@[ -n "$${FILE-}" ] && [ -n "$${OUT-}" ] || { echo "map: FILE=device.yaml OUT=folder" >&2; exit 2; }
+	@$(PY) tools/modbus map build "$$FILE" -o "$$OUT"
 
 ##@ Check
 quick: $(call stamp,test) $(call stamp,lint)  ## under a minute, before a commit: lint of what differs, the model, a little of everything at the pins

@@ -6,6 +6,7 @@
     formal.py                 every proof
     formal.py --tier ci       the proofs of one tier: ci (minutes, in .ci/run) or nightly
     formal.py modbus_crc16    the proofs of one module, or one proof by name
+    formal.py --map FILE      the bank that modbus map makes of FILE: no value is torn, grants are exact
     formal.py --planted       every proof again with a deliberate mistake in the RTL: each must now fail
 
 One row of tb/formal/proofs.txt is one proof; the head of that file says what a row holds.  Only the module under
@@ -137,10 +138,27 @@ def _proof(row: str, sets: dict[str, list[str]], number: int) -> Proof:
     return Proof(*fields[:3], int(fields[3]), settings, lists["cut"], lists["with"], tier)
 
 
+GENERATED: list[Path] = []  # banks of maps and their properties, with --map
+
+
+def from_map(path: str) -> str:
+    """Generate the RTL and the properties of a map below build/formal/maps; the name of the module of properties."""
+    from modbus_map.checks import load_device
+    from modbus_map.outputs import verilog
+
+    device, _ = load_device(path)
+    folder = OUT / "maps" / device.name
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in verilog.generate(device).items():
+        (folder / name).write_text(text)
+    GENERATED.extend(folder / name for name in (f"{device.name}.v", f"{device.name}_properties.v"))
+    return f"{device.name}_properties"
+
+
 def sources() -> dict[str, Path]:
     """{file name: path} of everything that a proof may draw in; no two files share a name."""
     names = [*all_files(), *include_files()]
-    paths = [ROOT / name for name in names]
+    paths = [*(ROOT / name for name in names), *GENERATED]
     paths += [path for suffix in ("v", "vh") for path in sorted(PROPERTIES.glob(f"*.{suffix}"))]
     return {path.name: path for path in paths}
 
@@ -264,8 +282,17 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("name", nargs="?", help="module or proof; all when absent")
     parser.add_argument("--tier", help=f"only this tier: {' or '.join(TIERS)}")
+    parser.add_argument("--map", metavar="FILE", help="prove the bank of a map instead")
     parser.add_argument("--planted", action="store_true", help="the deliberate mistakes instead")
     options = parser.parse_args()
+    if options.map:
+        try:
+            module = from_map(options.map)
+        except Exception as error:  # what is wrong with a map is a line for its user
+            return fail(str(error).splitlines()[0])
+        passed = check(Proof(f"map_{module}", module, "pdr", 0, {}, [], [], TIERS[1]))
+        print(f"{int(passed)} passed, {int(not passed)} failed")
+        return 0 if passed else 1
     if options.tier not in (None, *TIERS):
         return fail(f"TIER={options.tier}: must be {' or '.join(TIERS)}")
     try:

@@ -27,8 +27,9 @@ ROOT = Path(__file__).resolve().parents[1]
 HEADERS = ROOT / "sim"  # line.h, model.h and others for the C++ files
 CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
 PREFIX = "Vmodel"  # class and header of every model, whatever its top
+OPTIMISE = "-O3"  # of the compiler
 VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
-COMPILE = ("g++", "-std=c++17", "-O3", "-fPIC", "-faligned-new", "-w", *(f"-DVM_{name}=0" for name in
+COMPILE = ("g++", "-std=c++17", OPTIMISE, "-fPIC", "-faligned-new", "-w", *(f"-DVM_{name}=0" for name in
            ("COVERAGE", "SC", "TRACE", "TRACE_FST", "TRACE_VCD")))  # fmt: skip
 RUNTIME = ("verilated.cpp", "verilated_threads.cpp")  # of Verilator; the second in newer ones
 NEWER = "fronts"  # folder of the Verilator that cocotb needs; models of the system's run twice as fast
@@ -49,10 +50,12 @@ class Model:
     parameters: Mapping[str, object] = field(default_factory=dict)
     defines: Mapping[str, object] = field(default_factory=dict)  # for the C++ file
     shared: bool = True  # a library for ctypes; else a program
+    optimise: str = OPTIMISE  # of the model itself: -O0 compiles fastest
 
     def digest(self) -> str:
         """A name for the contents of everything that goes into the build."""
         settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
+        settings += [self.optimise] if self.optimise != OPTIMISE else []  # names of earlier builds stay
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
         for path in (*self.files, *headers, *sorted(HEADERS.glob("*.h")), self.wrapper, Path(__file__)):
@@ -120,7 +123,7 @@ def _build(model: Model, folder: Path, target: Path) -> None:
     places = (folder, HEADERS, runtime, runtime / "vltstd")
     _run(
         [
-            *COMPILE,
+            *(model.optimise if word == OPTIMISE else word for word in COMPILE),
             *(["-shared"] if model.shared else []),
             *(f"-D{name}={value}" for name, value in model.defines.items()),
             *(f"-I{place}" for place in places),

@@ -16,6 +16,7 @@ USUAL = {
     "requests to them": 6,
     "suites on gates": 0,
     "builds on gates": 2,
+    "random maps": 500,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
@@ -29,6 +30,7 @@ FULL = {
     "requests to them": 20,
     "suites on gates": 6,
     "builds on gates": 4,
+    "random maps": 5_000,
 }
 
 

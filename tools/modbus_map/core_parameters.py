@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""The parameters of the core that a map may set under `core`, read from the RTL's include files."""
+
+from __future__ import annotations
+
+import functools
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+INCLUDE = Path(__file__).resolve().parents[2] / "rtl" / "include"
+FILES = ("modbus_settings.vh", "modbus_config.vh")
+_LINE = re.compile(r"^\s*parameter\s+(?:integer|\[[^]]*\])\s+(\w+)\s*=\s*(.*?)\s*,?\s*(?://\s*(.*))?$", re.M)
+
+# What the map says elsewhere: parameter -> key
+BY_THE_MAP = {
+    "ADDRESS": "line: address",
+    "BAUD": "line: baud",
+    "FORMAT": "line: format",
+    "FUNCTION_CODES": "functions",
+    "SERVER_ID": "identity: server_id",
+    "SERVER_ID_BYTES": "identity: server_id",
+    "ADDITIONAL_DATA": "identity: additional_data",
+    "ADDITIONAL_DATA_BYTES": "identity: additional_data",
+    "VENDOR_NAME": "identity: vendor",
+    "PRODUCT_CODE": "identity: product",
+    "REVISION": "identity: revision",
+    "VENDOR_URL": "identity: url",
+    "PRODUCT_NAME": "identity: name",
+    "MODEL_NAME": "identity: model",
+    "USER_APPLICATION_NAME": "identity: application",
+    "PRIVATE_OBJECTS": "identity: private",
+    "CONFORMITY": "identity: conformity",
+}
+NOT_HERE = {"USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that"}
+
+
+class Parameter(NamedTuple):
+    """A parameter: its range, and what it does."""
+
+    name: str
+    default: int
+    least: int
+    most: int
+    meaning: str
+
+
+@functools.cache
+def parameters() -> dict[str, Parameter]:
+    """All parameters that `core` takes, by name."""
+    found = {}
+    for file in FILES:
+        for name, default, comment in _LINE.findall((INCLUDE / file).read_text(encoding="utf-8")):
+            if name in BY_THE_MAP or name in NOT_HERE or not re.fullmatch(r"\d+", default):
+                continue
+            limits = re.search(r"(\d+)\.\.(\d+)", comment)
+            if limits:
+                least, most = int(limits[1]), int(limits[2])
+            elif comment.startswith("1:"):  # a switch
+                least, most = 0, 1
+            else:
+                least, most = 0, (1 << 24) - 1
+            found[name] = Parameter(name, int(default), least, most, comment)
+    return found
