@@ -204,7 +204,12 @@ SUITES = {
     "io": (IO, NO_FLOORS, "io_bank", None),
     "drop_in": (DROP_IN, QUICK, "drop_in", None),
     "drop_in_set": (DROP_IN, SET, "drop_in", None),
-    "drop_in_921600": (DROP_IN_IO, {**NO_FLOORS, "CLK_HZ": 12_000_000, "BAUD": 921_600, "BIT_FRACTIONS": 1}, "drop_in", "rate"),
+    "drop_in_921600": (
+        DROP_IN_IO,
+        {**NO_FLOORS, "CLK_HZ": 12_000_000, "BAUD": 921_600, "BIT_FRACTIONS": 1},
+        "drop_in",
+        "rate",
+    ),
     "drop_in_1000000": (DROP_IN, {**NO_FLOORS, "CLK_HZ": 27_000_000, "BAUD": 1_000_000}, "drop_in", "rate"),
     "drop_in_fraction": (DROP_IN, FRACTION, "drop_in", None),
     "drop_in_8n2": (DROP_IN, {**QUICK, "FORMAT": 2}, "drop_in", "settings"),

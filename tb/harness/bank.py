@@ -5,7 +5,8 @@
 It answers from the model's tables but holds its own memory, waits as told, refuses, errs or falls
 silent, and notes in `faults` when the core breaks a promise: no grant question without a good frame,
 no access outside what was granted, no write without a grant for writing, no checking pass behind the first
-write, nothing that changes while the bank makes it wait, and for files every question before the first access, one cyc for all groups.
+write, nothing that changes while the bank makes it wait, and for files every question before the first access,
+one cyc for all groups.
 """
 
 from dataclasses import dataclass, field

@@ -25,7 +25,12 @@ MISTAKES = [
     Mistake("file_0_is_there", "modbus_bank_guard.v", " & (few != {FW{1'b0}})", ""),
     Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
     Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & refused_q)", "refused_q"),
-    Mistake("map_forgets_an_option", "modbus_host_map.v", "<= host_dat_i[3:0];\n            ITEM_DELAY", "<= {1'b0, host_dat_i[2:0]};\n            ITEM_DELAY"),
+    Mistake(
+        "map_forgets_an_option",
+        "modbus_host_map.v",
+        "<= host_dat_i[3:0];\n            ITEM_DELAY",
+        "<= {1'b0, host_dat_i[2:0]};\n            ITEM_DELAY",
+    ),
     Mistake("map_has_no_fraction", "modbus_host_map.v", "((BIT_FRACTIONS != 0) | (item", "(1'b0 | (item"),
     Mistake("map_fraction_is_always_there", "modbus_host_map.v", "((BIT_FRACTIONS != 0) | (item", "(1'b1 | (item"),
     Mistake("map_takes_any_write", "modbus_host_map.v", "(HOST_SETTINGS != 0) & settings_exist &", "settings_exist &"),
