@@ -113,5 +113,3 @@ async def other_user_and_wait(dut):
             await clocks(dut, 2)
         dut.other_i.value = dut.wait_i.value = 0
         assert await verdict(dut, Space.HOLDINGS, item, item, 0) == (0 if exists else EX.ADDRESS)
-
-
