@@ -13,9 +13,9 @@ from harness.runner import sources
 from harness.steps import NUMBERS, RANGES, taken
 from protocol.defs import ALL_FUNCTIONS, DIAGNOSTIC_FUNCTIONS
 
-STEPS, MOST_STEPS = 512, 440
+STEPS, MOST_STEPS = 512, 452
 TABLE = 32
-EVERYTHING = {"USER_CODES": 1 << 65, "ADDITIONAL_DATA_BYTES": 1}
+EVERYTHING = {"USER_CODES": 1 << 65, "ADDITIONAL_DATA_BYTES": 1, "CHECK_WRITES": 1}
 SETS = [
     {},
     EVERYTHING,
@@ -102,6 +102,7 @@ def sets():
             "FUNCTION_CODES": function_mask(codes),
             "USER_CODES": chance.choice((0, 8)),
             "ADDITIONAL_DATA_BYTES": chance.choice((0, 9)),
+            "CHECK_WRITES": chance.choice((0, 1)),
         }
     yield from SETS
 

@@ -68,6 +68,7 @@ LIMITS = plain(
     MAX_WRITE_REGISTERS=(1, 123),
     RW_MAX_READ=(1, 125),
     RW_MAX_WRITE=(1, 121),
+    CHECK_WRITES=(0, 1),
     SERVER_ID_BYTES=(1, 16),
     ADDITIONAL_DATA_BYTES=(0, 234),
     CONFORMITY=["8'h01", "8'h02", "8'h03", "8'h81", "8'h82", "8'h83"],

@@ -23,6 +23,7 @@
 `include "modbus_defs.vh"
 
 module modbus_bank_ram #(
+  parameter integer CHECK_WRITES = 0,            // 1: the core has checking passes; every value is acceptable here
 `include "modbus_tables.vh"
 ) (
   input  wire        clk_i,
@@ -59,7 +60,8 @@ module modbus_bank_ram #(
   wire        ack   = stb & ready_q;
   wire        bits  = (space[2:1] == 2'b00);
   wire        refused;               // the address of the host is outside the tables
-  wire        write = ack & we & ~(host_q & refused);
+  wire        checks = (CHECK_WRITES != 0) & (space[2:1] == 2'b11);    // a checking pass: nothing is stored
+  wire        write = ack & we & ~(host_q & refused) & ~checks;
   wire [15:0] read;
 
   // Between two accesses of the host one clock of the guard is enough for a question of the core.  The core has no
@@ -226,7 +228,9 @@ module modbus_bank_ram #(
     if (grant_space_i != `MB_SPACE_COILS && grant_space_i != `MB_SPACE_HOLDINGS && grant_space_i != `MB_SPACE_FILES)
       assume (!grant_write_i);
     if (wb_cyc_i && wb_stb_i) begin
-      assume (f_granted_q && !grant_req_i && wb_adr_i[18:16] == f_space_q && grant_file_i == f_file_q);
+      assume (f_granted_q && !grant_req_i && grant_file_i == f_file_q);
+      assume (wb_adr_i[18:16] == f_space_q ||
+              (CHECK_WRITES != 0 && wb_we_i && f_space_q != `MB_SPACE_FILES && wb_adr_i[18:16] == `MB_CHECK_OF(f_space_q)));
       assume (wb_adr_i[15:0] >= f_first_q && wb_adr_i[15:0] <= f_last_q && (!wb_we_i || f_write_q));
     end
   end
@@ -250,6 +254,7 @@ module modbus_bank_ram #(
     // A write is a beat of one side, of the line only where it was granted.
     if (write) assert ((wb_ack_o && wb_we_i && f_granted_q && f_write_q) || (host_ack_o && host_we_i));
     if (host_err_o) assert (!write);
+    if (wb_ack_o && wb_we_i && wb_adr_i[18:17] == 2'b11) assert (!write);
   end
 
   // Where it goes: each table and each file has its part of the memories.  Registers are at the front.
@@ -259,7 +264,7 @@ module modbus_bank_ram #(
                      : (space == `MB_SPACE_COILS) ? FILES_END + item - COIL_BASE
                      : FILES_END + COIL_COUNT + item - DISCRETE_BASE;
   wire [31:0] f_record = REGISTERS + (host_q ? f_item : (f_file_q - 1) * FILE_RECORDS + item);
-  always @* if (f_past && (wb_ack_o || host_ack_o)) begin
+  always @* if (f_past && ((wb_ack_o && !checks) || host_ack_o)) begin
     if (space == `MB_SPACE_FILES) assert (at == f_record && f_record < FILES_END);
     else if (!apart)              assert (at == f_at && f_at < ITEMS);
     else                          assert (f_at - FILES_END < BITS);

@@ -6,10 +6,11 @@
 // Begins with a good frame for us that stands in the frame RAM.  Before the first access it asks the bank with
 // grant_req_o for a range of items; the bank answers with grant_ack_i and 0, or an exception code.  Then follows one
 // burst under wb_cyc_o (several under one: the halves of 16H and 17H, the groups of 14H and 15H, count and entries of
-// 18H).  At the end the line sends what stands in the frame RAM, or nothing.
+// 18H).  With CHECK_WRITES the burst of a write runs twice under one wb_cyc_o: first the bank checks the values, then it
+// stores them.  At the end the line sends what stands in the frame RAM, or nothing.
 //
 // Promise, shown by the properties at the foot: no question, no access and no write without a good frame for us; no
-// access without a grant; no write without a grant to write.
+// access without a grant; no write without a grant to write, with CHECK_WRITES none without a checking pass before it.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -62,7 +63,7 @@ module modbus_engine #(
     .FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES), .MAX_READ_BITS(MAX_READ_BITS),
     .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
-    .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
+    .CHECK_WRITES(CHECK_WRITES), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
   ) u_program (.clk_i(clk_i), .at_i(at), .step_o(step), .entries_o(entries));
 
   modbus_sequencer #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_sequencer (
@@ -96,10 +97,13 @@ module modbus_engine #(
     .wb_dat_i(wb_dat_i), .wb_ack_i(wb_ack_i), .wb_err_i(wb_err_i)
   );
 
+  // A checking pass is the burst of a write with another space.
+  wire checks = (CHECK_WRITES != 0) & burst_do[`MB_DO_BURST] & argument[`MB_ARG_CHECK];
+
   assign grant_space_o = space;
   assign grant_first_o = first;
   assign grant_write_o = argument[`MB_ARG_WRITE];
-  assign wb_adr_o      = {space, first};
+  assign wb_adr_o      = {checks ? `MB_CHECK_OF(space) : space, first};
   assign bank_waits_o  = waiting | user_req_o;
 
   // What PUT can take beside the held byte; what is not built in gives the count.
@@ -217,6 +221,9 @@ module modbus_engine #(
   reg f_granted = 1'b0;              // the bank agreed to an access in it,
   reg f_write_granted = 1'b0;        // to a write
 
+  reg        f_checked = 1'b0;       // a checking pass has ended without an error, and no burst has followed
+  reg [2:0]  f_checked_space;        // the table that was checked
+
   wire f_frame = frame_i[`MB_FRAME_GOOD] | frame_i[`MB_FRAME_FOREIGN] | frame_i[`MB_FRAME_BAD];
   wire f_sent  = f_sending & ~sending_i;
   wire f_ended = verdict_o[`MB_VERDICT_QUIET] | f_sent;
@@ -229,6 +236,8 @@ module modbus_engine #(
       f_granted <= 1'b1;
       if (grant_write_o) f_write_granted <= 1'b1;
     end
+    if (burst_do[`MB_DO_BURST] && done) {f_checked, f_checked_space} <= {checks, space};
+    if (frame_i[`MB_FRAME_GOOD] || fail || rst_i) f_checked <= 1'b0;
     if (frame_i[`MB_FRAME_GOOD]) {f_good, f_granted, f_write_granted} <= 3'b100;
     if (rst_i || f_ended)        {f_good, f_granted, f_write_granted} <= 3'b000;
   end
@@ -247,6 +256,9 @@ module modbus_engine #(
     if (wb_stb_o)            assert (wb_cyc_o && f_good && f_granted);
     if (wb_stb_o && wb_we_o) assert (f_write_granted);
     if (write_stb_o)         assert (f_good && f_write_granted);
+    if (CHECK_WRITES != 0 && wb_stb_o && wb_we_o && wb_adr_o[18:17] != 2'b11 && space != `MB_SPACE_FILES)
+      assert (f_checked && f_checked_space == wb_adr_o[18:16]);
+    if (wb_stb_o && wb_adr_o[18:17] == 2'b11) assert (CHECK_WRITES != 0 && wb_we_o);
     if (f_sending)           assert (!wb_cyc_o);             // the bus is free before the answer
     if (verdict_o[`MB_VERDICT_SEND]) assert (f_good);
     // A beat is not withdrawn before the bank answers.
@@ -255,6 +267,7 @@ module modbus_engine #(
     cover (wb_stb_o && wb_we_o && f_write_granted);
     cover (write_stb_o);
     cover (wb_stb_o && !wb_we_o);
+    cover (CHECK_WRITES == 0 || (f_checked && wb_stb_o && wb_we_o));
   end
 `endif
 

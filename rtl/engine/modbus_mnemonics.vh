@@ -226,6 +226,13 @@ function [15:0] WRITE_FROM_KEEP(input [4:0] place);
   end
 endfunction
 
+function [15:0] CHECK_FROM_KEEP(input [4:0] place);
+  begin
+    CHECK_FROM_KEEP = WRITE_FROM_KEEP(place);
+    CHECK_FROM_KEEP[`MB_ARG_CHECK] = 1'b1;
+  end
+endfunction
+
 function [15:0] PUT(input [4:0] place);
   begin
     PUT = STEP(`MB_STEP_PUT);

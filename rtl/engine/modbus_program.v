@@ -25,6 +25,7 @@ module modbus_program #(
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter integer CHECK_WRITES        = 0,             // 1: a checking pass before every write of coils and registers
   parameter integer SERVER_ID_BYTES     = 1,             // function code 11H
   parameter integer ADDITIONAL_DATA_BYTES = 0,
   parameter [7:0]   CONFORMITY          = 8'h81          // function code 2BH
@@ -123,6 +124,14 @@ module modbus_program #(
 // Where the nearest loop begins, for the jump at its end
 `define LOOP loop = here;
 `define NEXT (here + 1)
+// Before the range from AT_RANGE on is written from PLACE on, the bank checks it under the same bus cycle.  The first
+// address has moved on with the burst.
+`define CHECKED(PLACE, AT_RANGE) \
+  if (CHECK_WRITES != 0) begin \
+    `DO(CHECK_FROM_KEEP(PLACE)) \
+    `DO(POINT(AT_RANGE)) \
+    `DO(ADDRESS) \
+  end
 // A table has an entry for each value of the low five bits of a byte; 1FH is that of all bytes from 1FH up.
 `define TABLE(NAME, CONDITION) \
   if (CONDITION) begin \
@@ -193,6 +202,7 @@ module modbus_program #(
 `undef FALL_INTO
 `undef LOOP
 `undef NEXT
+`undef CHECKED
 `undef TABLE
 `undef END_TABLE
 `undef ENTRY

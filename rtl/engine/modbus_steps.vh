@@ -31,7 +31,8 @@
 // The bank
 `define MB_STEP_TELL       5'd8   // tell the host that the range is written
 `define MB_STEP_GRANT      5'd9   // ask for the range; WRITE.  A range past FFFFH, of a file past 270FH: exception 02
-`define MB_STEP_BURST      5'd10  // move the range between bank and frame, from PLACE on; HERE, CLEAR, WRITE, KEEP, DRY
+`define MB_STEP_BURST      5'd10  // move the range between bank and frame, from PLACE on; HERE, CLEAR, WRITE, KEEP, DRY;
+                                  // CHECK: the bank checks what it would store
 
 // Put the answer together
 `define MB_STEP_POINT      5'd11  // cursor to PLACE; CLEAR: count to 0
@@ -78,6 +79,7 @@
 `define MB_ARG_WRITE       7      // GRANT BURST
 `define MB_ARG_KEEP        8      // BURST: hold the bus for the next one
 `define MB_ARG_DRY         9      // BURST: pass over the data, no bus
+`define MB_ARG_CHECK       10     // BURST: a checking pass
 `define MB_ARG_LITERAL     7:0    // MATCH SET LITERAL
 `define MB_ARG_EXCEPTION   10:8   // MATCH
 `define MB_ARG_LESS        10     // SET

@@ -10,6 +10,9 @@
 // of the answer.  The core may withdraw the question: a bank forgets it when grant_req_i falls.
 // Burst: Wishbone B4 classic, at most the range that was granted, under one wb_cyc_i.  While wb_cyc_i is high the core
 // shows the address of a beat no later than its strobe, and one clock earlier where the strobe was low.
+// A core with CHECK_WRITES = 1 shows the beats of a write twice under one wb_cyc_i.  The first time the space is
+// MB_SPACE_CHECK_COILS or MB_SPACE_CHECK_HOLDINGS: the bank stores nothing, answers ack if it would accept the value, else
+// err with the code in exception_o.
 // The core breaks a burst off when the bank is silent for the stall limit: wb_cyc_i falls.  A bank forgets the access
 // then.  An ack that comes later would be taken for one of the next request.
 

@@ -19,6 +19,7 @@
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter integer CHECK_WRITES        = 0,             // 1: the bank checks the values of a write before the first is stored
   parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
   parameter integer SERVER_ID_BYTES     = 1,             // 1..16
   parameter [1999:0] ADDITIONAL_DATA    = 2000'd0,       // 11H: data behind the run indicator, right-justified

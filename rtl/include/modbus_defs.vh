@@ -67,6 +67,12 @@
 `define MB_SPACE_EVENTS    3'd6
 `define MB_SPACE_TEXTS     3'd7
 
+// The checking pass of a write, on the bus instead of coils and holding registers: the space of the table with bits 2 and 1
+// set.  The numbers are those of two spaces inside the core, which are never on the bus.
+`define MB_SPACE_CHECK_COILS    3'd6
+`define MB_SPACE_CHECK_HOLDINGS 3'd7
+`define MB_CHECK_OF(space)      ((space) | 3'd6)
+
 // The space of the core on the host side: modbus_host_map
 `define MB_SPACE_CORE      3'd5
 

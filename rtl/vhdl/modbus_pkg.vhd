@@ -57,12 +57,14 @@ package modbus_pkg is
   constant MB_EX_NEGATIVE_ACKNOWLEDGE : std_logic_vector(3 downto 0) := x"7";
 
   -- Spaces
-  constant MB_SPACE_COILS     : std_logic_vector(2 downto 0) := "000";
-  constant MB_SPACE_DISCRETES : std_logic_vector(2 downto 0) := "001";
-  constant MB_SPACE_INPUTS    : std_logic_vector(2 downto 0) := "010";
-  constant MB_SPACE_HOLDINGS  : std_logic_vector(2 downto 0) := "011";
-  constant MB_SPACE_FILES     : std_logic_vector(2 downto 0) := "100";
-  constant MB_SPACE_CORE      : std_logic_vector(2 downto 0) := "101";
+  constant MB_SPACE_COILS          : std_logic_vector(2 downto 0) := "000";
+  constant MB_SPACE_DISCRETES      : std_logic_vector(2 downto 0) := "001";
+  constant MB_SPACE_INPUTS         : std_logic_vector(2 downto 0) := "010";
+  constant MB_SPACE_HOLDINGS       : std_logic_vector(2 downto 0) := "011";
+  constant MB_SPACE_FILES          : std_logic_vector(2 downto 0) := "100";
+  constant MB_SPACE_CHECK_COILS    : std_logic_vector(2 downto 0) := "110";
+  constant MB_SPACE_CHECK_HOLDINGS : std_logic_vector(2 downto 0) := "111";
+  constant MB_SPACE_CORE           : std_logic_vector(2 downto 0) := "101";
 
   -- Formats
   constant MB_FORMAT_8E1 : std_logic_vector(1 downto 0) := "00";
@@ -169,6 +171,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
       ADDITIONAL_DATA       : std_logic_vector(1999 downto 0) := (others => '0');
@@ -240,6 +243,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
       ADDITIONAL_DATA       : std_logic_vector(1999 downto 0) := (others => '0');
@@ -292,6 +296,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
       ADDITIONAL_DATA       : std_logic_vector(1999 downto 0) := (others => '0');
@@ -352,6 +357,7 @@ package modbus_pkg is
 
   component modbus_bank_ram is
     generic (
+      CHECK_WRITES    : natural := 0;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 64;
       DISCRETE_BASE   : natural := 0;

@@ -4,15 +4,15 @@
 
 It answers from the model's tables but holds its own memory, waits as told, refuses, errs or falls
 silent, and notes in `faults` when the core breaks a promise: no grant question without a good frame,
-no access outside what was granted, no write without a grant for writing, nothing that changes while the
-bank makes it wait, and for files every question before the first access, one cyc for all groups.
+no access outside what was granted, no write without a grant for writing, no checking pass behind the first
+write, nothing that changes while the bank makes it wait, and for files every question before the first access, one cyc for all groups.
 """
 
 from dataclasses import dataclass, field
 
 import cocotb
 from cocotb.triggers import First, RisingEdge, Timer
-from protocol.defs import ADDRESSES, BIT_SPACES, EX, SPACE_SHIFT, Space
+from protocol.defs import ADDRESSES, BIT_SPACES, CHECK_SPACES, EX, SPACE_SHIFT, Space
 
 SETTLE_PS = 1_000  # after a clock edge the outputs of the core are read, then answered
 
@@ -30,6 +30,7 @@ class Manner:
     silent_beat: int | None = None  # number of the beat in a request that is never answered
     error_beat: int | None = None  # number of the beat answered with err
     error_code: int = 0
+    unacceptable: object = None  # (space, item, data): exception code of the value in a checking pass, None: acceptable
 
 
 @dataclass
@@ -38,6 +39,7 @@ class Request:
 
     questions: list = field(default_factory=list)  # (space, first, last, write), for files (.., file)
     beats: list = field(default_factory=list)  # (write, space, item, data), for files (.., file)
+    checks: list = field(default_factory=list)  # (space, item, data) of the beats of a checking pass
     bursts: int = 0  # times cyc rose
 
 
@@ -158,8 +160,8 @@ class Bank:
             if access != self._shown:
                 self._fault(f"access changed from {self._shown} to {access}")
             if self._strobed == 0 and self._beat != self.manner.silent_beat:
-                err = int(self._beat == self.manner.error_beat)
-                ack = 1 - err
+                code = self._error(access)
+                err, ack = int(code is not None), int(code is None)
                 self._take(access, err)
                 self._strobed = None
             else:
@@ -168,19 +170,38 @@ class Bank:
             self._strobed = None
         dut.wb_ack_i.value, dut.wb_err_i.value = ack, err
         if err:
-            dut.exception_i.value = self.manner.error_code
+            dut.exception_i.value = code
+
+    def _error(self, access):
+        """The code with which this beat ends with err, None: it does not."""
+        if self._beat == self.manner.error_beat:
+            return self.manner.error_code
+        _write, space, item, data, _file = access
+        if space in CHECK_SPACES and self.manner.unacceptable:
+            table = CHECK_SPACES[space]
+            return self.manner.unacceptable(table, item, data & 1 if table in BIT_SPACES else data)
+        return None
 
     def _access(self):
         """(write, space, item, data or None, file or None) on the bus now."""
         dut = self.dut
         address, write = int(dut.wb_adr_o.value), int(dut.wb_we_o.value)
-        space, item = Space(address >> SPACE_SHIFT), address % ADDRESSES
+        space, item = address >> SPACE_SHIFT, address % ADDRESSES
+        if space not in CHECK_SPACES:
+            space = Space(space)
         file = int(dut.grant_file_o.value) if space == Space.FILES else None
         return write, space, item, int(dut.wb_dat_o.value) if write else None, file
 
     def _take(self, access, err):
         """Do one beat of the bus."""
         write, space, item, data, file = access
+        checks = space in CHECK_SPACES
+        if checks:
+            space = CHECK_SPACES[space]
+            if not write:
+                self._fault(f"a checking pass reads {space.name} {item}")
+            if any(beat[0] for beat in self.request.beats):
+                self._fault(f"{space.name} {item} is checked behind the first write")
         wide = space not in BIT_SPACES
         if not any(
             s == space and first <= item <= last and may_write >= write and ([file] == rest if rest else True)
@@ -190,7 +211,10 @@ class Bank:
             self._fault(f"{'write' if write else 'read'} of {where} was not granted")
         key = (space, item if file is None else self.tb.slave.config.record_item(file, item))
         data = data if write else self.memory.get(key, 0)
-        if not err:
+        if checks:
+            if not err:
+                self.request.checks.append((space, item, data if wide else data & 1))
+        elif not err:
             beat = (write, space, item, data if wide else data & 1)
             self.request.beats.append(beat if file is None else (*beat, file))
             if write:

@@ -22,6 +22,7 @@ class Space(IntEnum):
 
 BIT_SPACES = (Space.COILS, Space.DISCRETES)
 ADDRESSES = 65536  # items a space can have
+CHECK_SPACES = {6: Space.COILS, 7: Space.HOLDINGS}  # on the bus in a checking pass: which table is checked
 SPACE_SHIFT = 16  # bus address = {space, item}
 
 

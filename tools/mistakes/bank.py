@@ -21,6 +21,7 @@ MISTAKES = [
     ),
     Mistake("grant_does_not_wait_for_the_host", "modbus_bank_ram.v", ".wait_i(lent_q)", ".wait_i(1'b0)"),
     Mistake("host_loses_its_block_to_a_question", "modbus_bank_ram.v", "(ack | ~host_stb_i)", "(ready_q | host_stb_i)"),
+    Mistake("ram_stores_what_it_checks", "modbus_bank_ram.v", "& ~checks;", ";"),
     Mistake("file_0_is_there", "modbus_bank_guard.v", " & (few != {FW{1'b0}})", ""),
     Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
     Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & refused_q)", "refused_q"),

@@ -47,6 +47,15 @@ MISTAKES = [
         """grant_ack_i;
   wire refused  = asks & (past_end_i | (~grant_ack_i & stall_i));""",
     ),
+    Mistake("value_stored_while_checked", "modbus_engine.v", "checks ? `MB_CHECK_OF(space) : space", "space"),
+    Mistake("mask_write_not_checked", "modbus_routines_data.vh", "  `CHECKED(AT_SCRATCH, AT_ADDRESS)\n", ""),
+    Mistake("single_write_not_checked", "modbus_routines_data.vh", "  `CHECKED(AT_VALUE, AT_ADDRESS)\n", ""),
+    Mistake(
+        "read_write_checks_another_range",
+        "modbus_routines_data.vh",
+        "`CHECKED(AT_RW_DATA, AT_RW_WRITE)",
+        "`CHECKED(AT_RW_DATA, AT_ADDRESS)",
+    ),
     Mistake(
         "second_question_left_out",
         "modbus_routines_data.vh",

@@ -47,6 +47,8 @@ SELECTION = [
     ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
+    ("core_checks", "checked_once.*wait=0|refused.*code=3|broadcast"),
+    ("ram_checked", "write|mask"),
     ("identity_01", None),
     ("identity_82", None),
     ("identity_small", None),
