@@ -7,11 +7,12 @@
 // more than 2 % stops elaboration: a receiver must accept that much (MODBUS over Serial Line V1.02, clause 3.2).
 
   // No term passes 32 bits: what CLK_HZ / BAUD leaves is below CLK_HZ / 8.
+  localparam integer RATE         = (BAUD < 1) ? 1 : BAUD;       // nothing is divided by 0 before the check below
   localparam integer STEPS        = (BIT_FRACTIONS != 0) ? 16 : 1;
-  localparam integer REST_STEPS   = ((CLK_HZ % BAUD) * STEPS + BAUD / 2) / BAUD;          // 0..STEPS
-  localparam integer BIT_TIME     = CLK_HZ / BAUD + REST_STEPS / STEPS;
+  localparam integer REST_STEPS   = ((CLK_HZ % RATE) * STEPS + RATE / 2) / RATE;          // 0..STEPS
+  localparam integer BIT_TIME     = CLK_HZ / RATE + REST_STEPS / STEPS;
   localparam integer BIT_FRACTION = (BIT_FRACTIONS != 0) ? REST_STEPS % STEPS : 0;
-  localparam integer MISSED       = (CLK_HZ % BAUD) * STEPS - REST_STEPS * BAUD;          // in steps of a clock
+  localparam integer MISSED       = (CLK_HZ % RATE) * STEPS - REST_STEPS * RATE;          // in steps of a clock
   localparam integer RATE_ERROR   = ((MISSED < 0) ? -MISSED : MISSED) / STEPS;
 
   localparam [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {
