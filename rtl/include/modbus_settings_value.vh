@@ -7,7 +7,7 @@
 // more than 2 % stops elaboration: a receiver must accept that much (MODBUS over Serial Line V1.02, clause 3.2).
 
   // No term passes 32 bits: what CLK_HZ / BAUD leaves is below CLK_HZ / 8.
-  localparam integer RATE         = (BAUD < 1) ? 1 : BAUD;      // what is refused below divides nothing
+  localparam integer RATE         = (BAUD < 1) ? 1 : BAUD;       // nothing is divided by 0 before the check below
   localparam integer STEPS        = (BIT_FRACTIONS != 0) ? 16 : 1;
   localparam integer REST_STEPS   = ((CLK_HZ % RATE) * STEPS + RATE / 2) / RATE;          // 0..STEPS
   localparam integer BIT_TIME     = CLK_HZ / RATE + REST_STEPS / STEPS;
