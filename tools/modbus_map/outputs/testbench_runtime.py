@@ -3,6 +3,7 @@
 """The part of test_NAME.py that is the same for each device; testbench.py copies it, with the table of points between."""
 
 # ---- head, copied from here
+import itertools
 import os
 import random
 import struct
@@ -160,9 +161,9 @@ class Bench:
             bits = [0, *(byte >> n & 1 for n in range(8))]
             bits += [1] if PARITY_ODD is None else [byte.bit_count() & 1 ^ PARITY_ODD]
             bits += [1] * (CHARACTER_BITS - len(bits))
-            for bit in bits:
+            for bit, same in itertools.groupby(bits):
                 self.dut.rxd_i.value = bit
-                await Timer(BIT_NS, "ns")
+                await Timer(BIT_NS * len(list(same)), "ns")
 
     async def receive(self):
         """The bytes of one answer; none after a while without one."""
