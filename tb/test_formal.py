@@ -58,8 +58,8 @@ def test_table_is_read():
     assert table.mistakes == [("one", "m.v", "a#1", "", "")]
     assert formal.read_table(SMALL.replace("one `", "one n.vh `")).mistakes[0].file == "n.vh"
     assert formal.read_table("one m pdr 0").proofs["one"].tier == "ci"
-    table = formal.read_table("map one examples/box/box.yaml tier=nightly\nmistake one `a` -> `b`")
-    assert table.proofs["one"][1:3] == ("box_properties", "pdr") and table.proofs["one"].tier == "nightly"
+    table = formal.read_table("map one examples/box/box.yaml bmc 9 tier=nightly\nmistake one `a` -> `b`")
+    assert table.proofs["one"][1:4] == ("box_properties", "bmc", 9) and table.proofs["one"].tier == "nightly"
     assert table.mistakes == [("one", "box.v", "a", "b", "examples/box/box.yaml")]
 
 
@@ -72,7 +72,7 @@ def test_every_reference_map_is_proven():
     "row",
     ["one m pdr", "one m magic 0", "one m pdr x", "one m pdr 0 N", "one m pdr 0 tier=daily", "one m pdr 0 @none",
      "mistake one `a` -> `b`", "one m pdr 0\none m pdr 0", "set = a",
-     "map one box", "map one a/box.yaml tier=daily"],
+     "map one box", "map one a/box.yaml", "map one a/box.yaml pdr 0 tier=daily"],
 )  # fmt: skip
 def test_wrong_row_is_refused(row):
     with pytest.raises(formal.TableError, match=r"row \d"):

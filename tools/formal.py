@@ -142,10 +142,11 @@ def _proof(row: str, sets: dict[str, list[str]], number: int) -> Proof:
 
 
 def _map(row: str, number: int) -> Proof:
-    found = re.fullmatch(r"map (\S+) +(\S+/(\w+)\.yaml)(?: +tier=(\w+))?", row)
-    if not found or (found[4] or TIERS[0]) not in TIERS:
-        raise TableError(f"row {number}: expected: map NAME FOLDER/DEVICE.yaml [tier=ci|nightly]")
-    return Proof(found[1], f"{found[3]}_properties", "pdr", 0, {}, [], [], found[4] or TIERS[0], found[2])
+    found = re.fullmatch(r"map (\S+) +(\S+/(\w+)\.yaml) +(\w+) +(\d+)(?: +tier=(\w+))?", row)
+    if not found or (found[6] or TIERS[0]) not in TIERS or found[4] not in ENGINES:
+        raise TableError(f"row {number}: expected: map NAME FOLDER/DEVICE.yaml METHOD DEPTH [tier=ci|nightly]")
+    tier = found[6] or TIERS[0]
+    return Proof(found[1], f"{found[3]}_properties", found[4], int(found[5]), {}, [], [], tier, found[2])
 
 
 GENERATED: dict[str, list[Path]] = {}  # map: its RTL and its properties, below build/formal/maps

@@ -49,7 +49,7 @@ def bench_of(device, place, change=lambda text: text, case=""):
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in {**verilog.generate(device), **testbench.generate(device)}.items():
         (folder / name).write_text(change(text) if name == f"{device.name}.v" else text, encoding="utf-8")
-    settings = {"MODBUS_RTU": str(ROOT), **({"COCOTB_TEST_FILTER": case} if case else {})}
+    settings = {"MODBUS_RTU": str(ROOT), **({"COCOTB_TEST_FILTER": rf"\.{case}$"} if case else {})}
     done = subprocess.run(
         [sys.executable, f"test_{device.name}.py"], cwd=folder, env={**os.environ, **settings}, capture_output=True,
         text=True, check=False,
@@ -86,7 +86,8 @@ def test_random_map_passes(number, seed):
 
 MISTAKES = [  # (map, text of NAME.v, what stands there instead, the test that fails)
     ("relay_box", "limit_q = 16'd450;", "limit_q = 16'd451;", "reset_values"),
-    ("relay_box", "{15'd0, ", "{15'd1, ", "inputs_are_read"),
+    ("relay_box", "limit_q <= 16'd450;", "limit_q <= 16'd451;", "writes_reach_their_outputs"),
+    ("relay_box", "item = temperature_i", "item = temperature_i | 16'd1", "inputs_are_read"),
     ("relay_box", "ordered > most", "ordered >= most", "writes_reach_their_outputs"),
     ("relay_box", "ordered < least", "1'b0", "limits_are_kept"),
     ("relay_box", "3'd2: {exists, high} = {1'b1, 16'd0};", "3'd2: {exists, high} = {1'b1, 16'd1};", "gaps_are_empty"),
@@ -102,13 +103,13 @@ MISTAKES = [  # (map, text of NAME.v, what stands there instead, the test that f
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name, old, new, case", MISTAKES, ids=[f"{m[0]}-{m[3]}" for m in MISTAKES])
+@pytest.mark.parametrize("name, old, new, case", MISTAKES, ids=[f"{m[0]}-{m[3]}-{m[1]}" for m in MISTAKES])
 def test_mistake_is_seen(name, old, new, case):
     def plant(text):
         assert text.count(old) >= 1, f"`{old}` is not in {name}.v"
         return text.replace(old, new, 1)
 
-    status, results, said = bench_of(load_device(REFERENCE[name])[0], f"{name}_{case}", plant, case)
+    status, results, said = bench_of(load_device(REFERENCE[name])[0], f"{name}_{MISTAKES.index((name, old, new, case))}", plant, case)
     assert status == 1 and results == {case: False}, said[-3000:]
 
 
