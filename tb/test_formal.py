@@ -22,7 +22,7 @@ def test_planted_mistake_fits(mistake):
 
 @pytest.mark.parametrize("proof", TABLE.proofs.values(), ids=lambda proof: proof.name)
 def test_proof_has_its_modules_and_properties(proof):
-    there = formal.sources()
+    there = formal.sources(proof.map)
     missing = [name for name in (proof.module, *proof.beside) if f"{name}.v" not in there]
     assert not missing, f"no module {', '.join(missing)}"
     assert formal.properties(proof), f"nothing in {proof.module} that {proof.method} checks"
@@ -55,15 +55,24 @@ def test_table_is_read():
     table = formal.read_table(SMALL)
     (proof,) = table.proofs.values()
     assert (proof.cut, proof.beside, proof.parameters, proof.tier) == (["a", "b", "c"], ["x"], {"N": "1"}, "nightly")
-    assert table.mistakes == [("one", "m.v", "a#1", "")]
+    assert table.mistakes == [("one", "m.v", "a#1", "", "")]
     assert formal.read_table(SMALL.replace("one `", "one n.vh `")).mistakes[0].file == "n.vh"
     assert formal.read_table("one m pdr 0").proofs["one"].tier == "ci"
+    table = formal.read_table("map one examples/box/box.yaml bmc 9 tier=nightly\nmistake one `a` -> `b`")
+    assert table.proofs["one"][1:4] == ("box_properties", "bmc", 9) and table.proofs["one"].tier == "nightly"
+    assert table.mistakes == [("one", "box.v", "a", "b", "examples/box/box.yaml")]
+
+
+def test_every_reference_map_is_proven():
+    files = {str(path.relative_to(ROOT)) for path in ROOT.glob("examples/*/*.yaml")}
+    assert files == {proof.map for proof in TABLE.proofs.values() if proof.map}
 
 
 @pytest.mark.parametrize(
     "row",
     ["one m pdr", "one m magic 0", "one m pdr x", "one m pdr 0 N", "one m pdr 0 tier=daily", "one m pdr 0 @none",
-     "mistake one `a` -> `b`", "one m pdr 0\none m pdr 0", "set = a"],
+     "mistake one `a` -> `b`", "one m pdr 0\none m pdr 0", "set = a",
+     "map one box", "map one a/box.yaml", "map one a/box.yaml pdr 0 tier=daily"],
 )  # fmt: skip
 def test_wrong_row_is_refused(row):
     with pytest.raises(formal.TableError, match=r"row \d"):

@@ -6,7 +6,7 @@
     formal.py                 every proof
     formal.py --tier ci       the proofs of one tier: ci (minutes, in .ci/run) or nightly
     formal.py modbus_crc16    the proofs of one module, or one proof by name
-    formal.py --map FILE      the bank that modbus map makes of FILE: no value is torn, grants are exact
+    formal.py --map FILE      only the bank that modbus map makes of FILE: no value is torn, grants are exact
     formal.py --planted       every proof again with a deliberate mistake in the RTL: each must now fail
 
 One row of tb/formal/proofs.txt is one proof; the head of that file says what a row holds.  Only the module under
@@ -62,6 +62,7 @@ class Proof(NamedTuple):
     cut: list[str]
     beside: list[str]
     tier: str
+    map: str = ""  # the map whose bank is proven
 
 
 class Mistake(NamedTuple):
@@ -71,6 +72,7 @@ class Mistake(NamedTuple):
     file: str
     old: str
     new: str
+    map: str = ""
 
 
 class Table(NamedTuple):
@@ -98,10 +100,11 @@ def read_table(text: str) -> Table:
             found = re.fullmatch(r"mistake (\S+) +(?:([\w.]+) +)?`(.+)` -> `(.*)`", row)
             if not found or found[1] not in proofs:
                 raise TableError(f"row {number}: expected: mistake PROOF [FILE] `old` -> `new`, PROOF a row above")
-            file = found[2] or f"{proofs[found[1]].module}.v"
-            mistakes.append(Mistake(found[1], file, found[3], found[4]))
+            proof = proofs[found[1]]
+            own = f"{proof.module.removesuffix('_properties')}.v" if proof.map else f"{proof.module}.v"
+            mistakes.append(Mistake(found[1], found[2] or own, found[3], found[4], proof.map))
         else:
-            proof = _proof(row, sets, number)
+            proof = _map(row, number) if row.startswith("map ") else _proof(row, sets, number)
             if proof.name in proofs:
                 raise TableError(f"row {number}: {proof.name} stands twice")
             proofs[proof.name] = proof
@@ -138,34 +141,46 @@ def _proof(row: str, sets: dict[str, list[str]], number: int) -> Proof:
     return Proof(*fields[:3], int(fields[3]), settings, lists["cut"], lists["with"], tier)
 
 
-GENERATED: list[Path] = []  # banks of maps and their properties, with --map
+def _map(row: str, number: int) -> Proof:
+    found = re.fullmatch(r"map (\S+) +(\S+/(\w+)\.yaml) +(\w+) +(\d+)(?: +tier=(\w+))?", row)
+    if not found or (found[6] or TIERS[0]) not in TIERS or found[4] not in ENGINES:
+        raise TableError(f"row {number}: expected: map NAME FOLDER/DEVICE.yaml METHOD DEPTH [tier=ci|nightly]")
+    tier = found[6] or TIERS[0]
+    return Proof(found[1], f"{found[3]}_properties", found[4], int(found[5]), {}, [], [], tier, found[2])
+
+
+GENERATED: dict[str, list[Path]] = {}  # map: its RTL and its properties, below build/formal/maps
 
 
 def from_map(path: str) -> str:
-    """Generate the RTL and the properties of a map below build/formal/maps; the name of the module of properties."""
+    """Generate the RTL and the properties of a map; the name of the module of properties."""
     from modbus_map.checks import load_device
     from modbus_map.outputs import verilog
 
-    device, _ = load_device(path)
+    device, _ = load_device(ROOT / path)
     folder = OUT / "maps" / device.name
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in verilog.generate(device).items():
         (folder / name).write_text(text)
-    GENERATED.extend(folder / name for name in (f"{device.name}.v", f"{device.name}_properties.v"))
+    GENERATED[path] = [folder / name for name in (f"{device.name}.v", f"{device.name}_properties.v")]
     return f"{device.name}_properties"
 
 
-def sources() -> dict[str, Path]:
-    """{file name: path} of everything that a proof may draw in; no two files share a name."""
+def sources(map_file: str = "") -> dict[str, Path]:
+    """{file name: path} of everything that a proof may draw in, with what is made of a map; no two share a name."""
     names = [*all_files(), *include_files()]
-    paths = [*(ROOT / name for name in names), *GENERATED]
+    paths = [ROOT / name for name in names]
+    if map_file:
+        if map_file not in GENERATED:
+            from_map(map_file)
+        paths += GENERATED[map_file]
     paths += [path for suffix in ("v", "vh") for path in sorted(PROPERTIES.glob(f"*.{suffix}"))]
     return {path.name: path for path in paths}
 
 
 def sby_text(proof: Proof, planted: dict[str, Path]) -> str:
     """The sby file of one proof; `planted` are files that stand in for those of the same name."""
-    files = sources()
+    files = sources(proof.map)
     own = f"{proof.module}.v"
     formal = [name for name, path in files.items() if path.parent == PROPERTIES and name.endswith(".v") and name != own]
     formal += [f"{module}.v" for module in proof.beside]
@@ -215,7 +230,7 @@ def prove(proof: Proof, name: str, planted: dict[str, Path]) -> tuple[str, float
 
 def properties(proof: Proof) -> int:
     """How many statements of the kind that this proof checks stand in its modules and the rules they instantiate."""
-    files = sources()
+    files = sources(proof.map)
     texts = [files[f"{module}.v"].read_text() for module in (proof.module, *proof.beside)]
     rules = [path for path in files.values() if path.parent == PROPERTIES and path.stem != proof.module]
     texts += [path.read_text() for path in rules if re.search(rf"\b{path.stem}\b", texts[0])]
@@ -244,7 +259,7 @@ def check(proof: Proof) -> bool:
 
 def misfit(mistake: Mistake) -> str:
     """Why a planted text does not fit its file, or nothing."""
-    path = sources().get(mistake.file)
+    path = sources(mistake.map).get(mistake.file)
     if path is None:
         return f"no file {mistake.file}"
     times = path.read_text().count(mistake.old)
@@ -260,7 +275,7 @@ def check_planted(number: int, mistake: Mistake, proof: Proof) -> bool:
     name = f"{proof.name}_planted_{number}"
     planted = OUT / "planted" / f"{name}_{mistake.file}"
     planted.parent.mkdir(parents=True, exist_ok=True)
-    planted.write_text(sources()[mistake.file].read_text().replace(mistake.old, mistake.new))
+    planted.write_text(sources(mistake.map)[mistake.file].read_text().replace(mistake.old, mistake.new))
     status, seconds, _ = prove(proof, name, {mistake.file: planted})
     seen = status == "FAIL"
     print(
@@ -287,10 +302,11 @@ def main() -> int:
     options = parser.parse_args()
     if options.map:
         try:
-            module = from_map(options.map)
+            path = str(Path(options.map).resolve())
+            module = from_map(path)
         except Exception as error:  # what is wrong with a map is a line for its user
             return fail(str(error).splitlines()[0])
-        passed = check(Proof(f"map_{module}", module, "pdr", 0, {}, [], [], TIERS[1]))
+        passed = check(Proof(f"map_{module}", module, "pdr", 0, {}, [], [], TIERS[1], path))
         print(f"{int(passed)} passed, {int(not passed)} failed")
         return 0 if passed else 1
     if options.tier not in (None, *TIERS):

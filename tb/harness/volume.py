@@ -16,7 +16,7 @@ USUAL = {
     "requests to them": 6,
     "suites on gates": 0,
     "builds on gates": 2,
-    "random maps": 500,
+    "random maps": 60,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,

@@ -336,6 +336,10 @@ class _Compiler:
             if (low is not None or high is not None) and not point.accepts(item.raw):
                 text = f"{item.label} is {item.number}, outside min and max; change one of them"
                 self.error((*path, "enum", item.number), text, key=True)
+        if kind == "memory" and width > 1 and access != "ro" and point.is_limited:
+            key = next(key for key in ("min", "max", "enum") if key in given)
+            text = f"{_a(kind_of)} in memory has no limits: they are for whole values; kind: register, or leave {key} out"
+            self.error((*path, key), text, key=True)
         resets = self.resets(parsed, point, path)
         if kind == "wire" and parsed.reset is not None:
             self.warn((*path, "reset"), "an input has no reset value, it is ignored; leave it out, or kind: constant")

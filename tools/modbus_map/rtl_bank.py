@@ -246,6 +246,7 @@ class Bank:
             if not numbers:
                 continue
             condition = ("words & " if plan.keys.keys() & {0, 1} else "") + ("space[0]" if space == 3 else "~space[0]")
+            condition += " & ~in_memory" if plan.areas else ""  # the keys of words in memory are those of other items
             lines += [f"    if ({condition})", f"      case ({KEYS[space]})"]
             for word, keys in sorted(numbers.items()):
                 lines += [f"        {line}" for line in fill(keys, f": {name} = {literal(width, word)};")]

@@ -13,11 +13,11 @@ from modbus_map.rtl_text import bits
 def properties(device: Device) -> str:
     """A module for a model checker; its top is NAME_properties."""
     plan = Plan(device)
-    wires, binds = [], []
+    inputs, wires, binds = [], [], []
     for point in device.points:
         width = point.bits * point.count
         if point.kind == "wire":
-            wires.append(f"  (* anyseq *) wire {bits(width)} {port(point, 'i')};")
+            inputs.append(f"  input wire {bits(width)} {port(point, 'i')}")
             binds.append(f".{port(point, 'i')}({port(point, 'i')})")
         elif point.kind == "register":
             wires.append(f"  wire {bits(width)} {port(point, 'o')};")
@@ -27,7 +27,7 @@ def properties(device: Device) -> str:
             binds.append(f".{port(point, 'stb_o')}({port(point, 'stb_o')})")
     if plan.areas:
         for name, width in (("cyc", 1), ("stb", 1), ("we", 1), ("adr", 19), ("dat", 16)):
-            wires.append(f"  (* anyseq *) wire {bits(width)} host_{name}_i;")
+            inputs.append(f"  input wire {bits(width)} host_{name}_i")
             binds.append(f".host_{name}_i(host_{name}_i)")
         binds += [".host_dat_o()", ".host_ack_o()", ".host_err_o()"]
     there = {s: terms(device, s, False) for s in range(4)}
@@ -40,13 +40,14 @@ def properties(device: Device) -> str:
         "`default_nettype none",
         '`include "modbus_defs.vh"',
         "",
-        f"module {device.name}_properties (input wire clk_i);",
-        "",
+        f"module {device.name}_properties (",
         "  // A core that keeps the rules of modbus_bank_ports.vh; everything else is free.",
-        "  (* anyseq *) wire rst_i, grant_req_i, grant_write_i, wb_cyc_i, wb_stb_i, wb_we_i;",
-        "  (* anyseq *) wire [2:0]  grant_space_i;",
-        "  (* anyseq *) wire [15:0] grant_first_i, grant_last_i, grant_file_i, wb_dat_i;",
-        "  (* anyseq *) wire [18:0] wb_adr_i;",
+        "  input wire clk_i, rst_i, grant_req_i, grant_write_i, wb_cyc_i, wb_stb_i, wb_we_i,",
+        "  input wire [2:0]  grant_space_i,",
+        "  input wire [15:0] grant_first_i, grant_last_i, grant_file_i, wb_dat_i,",
+        "  input wire [18:0] wb_adr_i" + "".join(f",\n{line}" for line in inputs),
+        ");",
+        "",
         "  wire        grant_ack_o, wb_ack_o, wb_err_o;",
         "  wire [3:0]  exception_o;",
         "  wire [15:0] wb_dat_o;",
@@ -138,6 +139,7 @@ def block(point: Point, item: Item) -> list[str]:
     if point.kind == "register" and point.writable:
         value = f"{port(point, 'o')}[{low + size - 1}:{low}]"
         reset = point.resets[item.index]
+        words = [(16 * n + 15, 16 * n) for n in reversed(range(point.width))]  # one property a word: provable sooner
         return [
             f"  // {point.name}: the registers as they come; the output has all of them or none.",
             f"  reg  {bits(size)} f_{name} = {size}'h{reset:X};",
@@ -151,8 +153,8 @@ def block(point: Point, item: Item) -> list[str]:
             "    end",
             f"    if (rst_i) begin f_{name} <= {size}'h{reset:X}; f_{name}_open <= 1'b0; end",
             "    if (f_past && !rst_i && !$past(rst_i)) begin",
-            f"      if (!f_{name}_open) assert (is_{name} == f_{name});",
-            f"      if (f_{name}_open) assert ($stable(is_{name}));",
+            *(f"      if (!f_{name}_open) assert (is_{name}[{h}:{b}] == f_{name}[{h}:{b}]);" for h, b in words),
+            *(f"      if (f_{name}_open) assert ($stable(is_{name}[{h}:{b}]));" for h, b in words),
             "    end",
             "  end",
             "",
