@@ -37,7 +37,7 @@ $(foreach set,demo test lint formal fpga ecp5 peers boards fusesoc map,$(call st
 ##@ Use
 -include sim/live.mk
 ## demo      bring the core up as a live serial device and play the specification's examples against it
-## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=
+## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=tables or device.yaml
 
 map: $(call stamp,map)  ## a device from one file, with all that belongs to it: FILE=device.yaml OUT=folder
 	@[ -n "$${FILE-}" ] && [ -n "$${OUT-}" ] || { echo "map: FILE=device.yaml OUT=folder" >&2; exit 2; }

@@ -49,6 +49,7 @@ double wall_s() {
 struct Options {
   std::string link, trace;
   unsigned baud = 0, bit_time = 0, format = 0, address = 0, init_fd = 0;  // init_fd 0: nothing to load
+  unsigned t35_us = 0, reply_bits = 0;  // of a map: floor of t3.5, bit times before an answer
   unsigned busy = 0, failure = 0, exception_status = 0, run_indicator = 1, diagnostic = 0;
 };
 
@@ -60,9 +61,9 @@ class Device {
         monitor_(format_, options.bit_time) {
     character_ = double(options.bit_time) * format_.length();
     t15_ = uint64_t(1.5 * character_);
-    t35_ = uint64_t(std::max(3.5 * character_, T35_FLOOR_S * CLOCK_HZ));
+    t35_ = uint64_t(std::max(3.5 * character_, std::max(T35_FLOOR_S, options.t35_us * 1e-6) * CLOCK_HZ));
     hold_ = t35_ + options.bit_time;  // the core may see t3.5 one bit late
-    linger_ = t35_ + uint64_t(LINGER_S * CLOCK_HZ);
+    linger_ = t35_ + uint64_t(LINGER_S * CLOCK_HZ) + uint64_t(options.reply_bits) * options.bit_time;
     if (!options.trace.empty()) open_trace(options);
 
     dut_.rxd_i = 1;
@@ -224,7 +225,8 @@ Options parse(int argc, char **argv) {
   } numbers[] = {{"baud", &options.baud}, {"bit-time", &options.bit_time}, {"format", &options.format},
                  {"address", &options.address}, {"init-fd", &options.init_fd}, {"busy", &options.busy},
                  {"failure", &options.failure}, {"exception-status", &options.exception_status},
-                 {"run-indicator", &options.run_indicator}, {"diagnostic", &options.diagnostic}};
+                 {"run-indicator", &options.run_indicator}, {"diagnostic", &options.diagnostic},
+                 {"t35-us", &options.t35_us}, {"reply-bits", &options.reply_bits}};
   enum { LINK = 1000, TRACE, DIE_WITH_PARENT };
   std::vector<option> names = {
       {"link", 1, nullptr, LINK}, {"trace", 1, nullptr, TRACE}, {"die-with-parent", 0, nullptr, DIE_WITH_PARENT}};

@@ -13,17 +13,20 @@ import os
 import re
 import signal
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
 import filelist  # noqa: E402
+import map_device  # noqa: E402
 import models  # noqa: E402
 from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load  # noqa: E402
 
 CLOCK_HZ = 1_843_200  # divides 9600 to 115200 baud without rest, and 2 cores simulate it in passing
 BIT_TIMES = range(8, 65536)  # clock cycles per bit that the core takes
+MOST_RATE_ERROR = 50  # one part in so many of the rate; the parameters of a map refuse more
 ADDRESSES = range(1, 248)
 ITEMS = len(WORDS)  # a table, or all files together, can have
 
@@ -162,18 +165,9 @@ def check_link(link):
     return True
 
 
-def compiled(top, values):
+def compiled(top, values, files, folders):
     """Path of the bridge for a top module and its parameters, compiled now unless that was done before."""
-    files, folders = filelist.read(ROOT, *filelist.ALL)
-    model = models.Model(
-        top,
-        ROOT / "sim" / "bridge.cpp",
-        [*(ROOT / name for name in files), ROOT / "sim" / f"{top}.v"],
-        [ROOT / name for name in folders],
-        values,
-        {"CLOCK_HZ": CLOCK_HZ},
-        shared=False,
-    )
+    model = models.Model(top, ROOT / "sim" / "bridge.cpp", files, folders, values, {"CLOCK_HZ": CLOCK_HZ}, shared=False)
     try:
         return models.compiled(model, lambda: say("compiling the device (10 to 30 s, once for each map and identity)"))
     except models.BuildError as error:
@@ -193,18 +187,45 @@ def init_descriptor(items):
     return fd
 
 
-def start(given):
-    """Check, compile, become the bridge. Returns only by an exception."""
-    values = dict(DEFAULTS)
+def named_variables(given):
+    """The variables that have a value, by name."""
+    named = {}
     for word in given:
         name, _, value = word.strip().partition("=")
-        if name not in values:
+        if name not in DEFAULTS:
             raise BadVariable(f"{name}: unknown variable")
-        values[name] = value or values[name]
+        if value:
+            named[name] = value
+    return named
 
+
+@dataclass
+class Settings:
+    """The line, as numbers of the core."""
+
+    address: int
+    baud: int
+    cycles: int  # per bit
+    format: int
+
+    def options(self):
+        """Of the bridge."""
+        return [
+            *("--baud", str(self.baud), "--bit-time", str(self.cycles), "--format", str(self.format)),
+            *("--address", str(self.address)),
+        ]
+
+
+def settings(values):
+    """ADDRESS, BAUD, PARITY and STOP."""
     address = number("ADDRESS", values["ADDRESS"], ADDRESSES)
     baud, cycles = bit_time(values["BAUD"])
-    code = character_format(values["PARITY"], values["STOP"])
+    return Settings(address, baud, cycles, character_format(values["PARITY"], values["STOP"]))
+
+
+def of_tables(values):
+    """(path of the bridge, its options, initial contents) of a device with MAP's tables."""
+    line = settings(values)
     device = values["DEVICE"]
     if device not in DEVICES:
         raise BadVariable(f"DEVICE={device}: must be {', '.join(DEVICES)}")
@@ -218,21 +239,51 @@ def start(given):
     top, model = DEVICES[device]
     model = {"CLK_HZ": CLOCK_HZ} | model | table_parameters(place) | initial.parameters
     model |= parameters(values["PARAMETERS"])
-    link = values["LINK"]
-    check_link(link)
+    check_link(values["LINK"])
+    files, folders = filelist.read(ROOT, *filelist.ALL)
+    files = [*(ROOT / name for name in files), ROOT / "sim" / f"{top}.v"]
+    bridge = compiled(top, model, files, [ROOT / name for name in folders])
+    options = line.options()
+    for name, value in initial.inputs.items():
+        options += [f"--{name.replace('_', '-')}", str(value)]
+    return bridge, options, initial.items
 
-    bridge = compiled(top, model)
+
+def of_map(named):
+    """The same of a device that a map file describes."""
+    for name in ("DEVICE", "PARAMETERS"):
+        if name in named:
+            raise BadVariable(f"{name}: a map file is a device of its own, leave {name} out")
+    check_link(named.get("LINK", DEFAULTS["LINK"]))
+    with map_device.built(named["MAP"], named.get("INIT", "")) as made:
+        baud = made.facts["line"]["baud"]
+        try:
+            line = settings(DEFAULTS | made.defaults(named) | named)
+        except BadVariable as error:
+            from_map = "BAUD" not in named and str(error).startswith("BAUD")
+            raise BadVariable(f"{error}; the map says {baud}, give another BAUD" if from_map else error) from None
+        parameters = {"CLK_HZ": CLOCK_HZ}
+        if not made.run_time:
+            if abs(CLOCK_HZ - line.cycles * line.baud) * MOST_RATE_ERROR > CLOCK_HZ:
+                raise BadVariable(f"BAUD={line.baud}: {CLOCK_HZ} Hz, the simulated clock, misses it by more than 2 %")
+            parameters |= {"ADDRESS": line.address, "BAUD": line.baud, "FORMAT": line.format}
+        bridge = compiled(made.top, parameters, made.files, made.folders)
+    options = [*line.options(), "--t35-us", str(made.core("T35_MIN_US"))]
+    options += ["--reply-bits", str(made.core("RESPONSE_DELAY"))]
+    return bridge, options, made.items
+
+
+def start(given):
+    """Check, compile, become the bridge. Returns only by an exception."""
+    named = named_variables(given)
+    values = DEFAULTS | named
+    bridge, options, items = of_map(named) if map_device.is_map(values["MAP"]) else of_tables(values)
+    link = values["LINK"]
     if check_link(link):
         os.unlink(link)
-    arguments = [
-        str(bridge),
-        *("--link", link, "--baud", str(baud), "--bit-time", str(cycles), "--format", str(code)),
-        *("--address", str(address)),
-    ]
-    for name, value in initial.inputs.items():
-        arguments += [f"--{name.replace('_', '-')}", str(value)]
-    if initial.items:
-        arguments += ["--init-fd", str(init_descriptor(initial.items))]
+    arguments = [str(bridge), "--link", link, *options]
+    if items:
+        arguments += ["--init-fd", str(init_descriptor(items))]
     if values["TRACE"]:
         arguments += ["--trace", values["TRACE"]]
     if values["DIE_WITH_PARENT"]:

@@ -86,6 +86,25 @@ def _build(options: argparse.Namespace) -> int:
     return 0
 
 
+def _live(options: argparse.Namespace) -> int:
+    """What `make serve MAP=FILE` compiles: the RTL, NAME.live.json, a top for sim/, and INIT for its host port."""
+    from modbus_map import live_values, loader, outputs
+    from modbus_map.outputs import live
+
+    device = device_of(options.file)
+    words = sum(map(len, live.input_words(device).values()))
+    if words > live.MOST_WORDS:
+        print(f"{options.file}:1:1: {words} words of inputs; the live device has {live.MOST_WORDS}", file=sys.stderr)
+        return 2
+    files = outputs.generate(device, ("verilog", "live"))
+    files[f"{device.name}_live.v"] = live.wrapper(device)
+    if options.init:
+        initial = live_values.initial(device, loader.load(options.init, "INIT"))
+        files["initial.txt"] = "".join(f"{space} {item} {value}\n" for space, item, value in initial)
+    write_all(files, options.out)
+    return 0
+
+
 def _check(options: argparse.Namespace) -> int:
     device = device_of(options.file)
     codes = " ".join(f"{code:02X}" for code in device.functions)
@@ -171,6 +190,12 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("-o", "--out", required=True, metavar="OUT", help="folder for the outputs")
     build.add_argument("--only", default="", metavar="NAME,...", help="only these outputs: verilog, vhdl, c, ...")
     build.set_defaults(run=_build)
+
+    live = commands.add_parser("live", help="what `make serve MAP=FILE` compiles")
+    live.add_argument("file", metavar="FILE")
+    live.add_argument("--init", default="", metavar="JSON", help="values of the inputs and of the memory by name")
+    live.add_argument("-o", "--out", required=True, metavar="OUT")
+    live.set_defaults(run=_live)
 
     check = commands.add_parser("check", help="say what is wrong with a map, write nothing")
     check.add_argument("file", metavar="FILE")

@@ -65,8 +65,8 @@ class Source:
         return Diagnostic(line, column, text, warning, self.file)
 
 
-def read(path: str | Path) -> str:
-    """The text of a file. Raises MapError."""
+def read(path: str | Path, what: str = "map") -> str:
+    """The text of a file; `what` it is, for messages. Raises MapError."""
     name = str(path)
 
     def wrong(text: str, line: int = 1, column: int = 1) -> MapError:
@@ -75,13 +75,13 @@ def read(path: str | Path) -> str:
     try:
         data = Path(path).read_bytes()
     except FileNotFoundError:
-        raise wrong("no such file; name the map file") from None
+        raise wrong(f"no such file; name the {what} file") from None
     except IsADirectoryError:
-        raise wrong("this is a folder; name the map file in it") from None
+        raise wrong(f"this is a folder; name the {what} file in it") from None
     except (OSError, ValueError) as error:
         raise wrong(f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if len(data) > MOST_BYTES:
-        raise wrong(f"{len(data)} bytes are no map file; at most {MOST_BYTES} are read")
+        raise wrong(f"{len(data)} bytes are no {what} file; at most {MOST_BYTES} are read")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -91,9 +91,9 @@ def read(path: str | Path) -> str:
         raise wrong(f"byte {data[error.start]:02X} is no UTF-8; save the file as UTF-8", line, column) from None
 
 
-def load(path: str | Path) -> Source:
-    """Read a map file. Raises MapError for what is no YAML; the content is not checked."""
-    return parse(read(path), str(path))
+def load(path: str | Path, what: str = "map") -> Source:
+    """Read a map file (or `what`). Raises MapError for what is no YAML; the content is not checked."""
+    return parse(read(path, what), str(path))
 
 
 def parse(text: str, file: str) -> Source:
