@@ -101,6 +101,10 @@ def _point(point: Point, device: Device, special: str) -> str:
         facts.append(f"fields=({special}, {tuple((part.low, part.width) for part in point.fields)})")
     if point.is_scaled and point.whole_steps:
         facts.append("whole=True")
+    for key, write in (("reads", False), ("writes", True)):
+        fewer = shared.most(device, point.table, write)
+        if fewer < shared.most_of_protocol(point.table, write):
+            facts.append(f"{key}={fewer}")
     single = 5 if point.is_bit else 6
     if point.writable and not device.has_function(single):
         facts.append("single=False")

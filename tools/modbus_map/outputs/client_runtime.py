@@ -18,6 +18,7 @@ _EXPORTED = (Awaitable, Literal, NamedTuple, overload, IntEnum)  # used by the c
 
 Number = int | float | Fraction
 T = TypeVar("T")
+MOST_READS, MOST_WRITES = (125, 2000), (123, 1968)  # registers and bits of a request
 _FLOATS = {"f32": (">f", 4), "f64": (">d", 8)}
 
 
@@ -54,11 +55,14 @@ class Point(Generic[T]):
         whole: bool = False,
         single: bool = True,
         multiple: bool = True,
+        reads: int = 0,
+        writes: int = 0,
     ) -> None:
         self.table, self.at, self.name, self.type, self.width, self.count = table, at, name, type, width, count
         self.access, self.array, self.little, self.scale, self.offset = access, array, little, scale, offset
         self.low, self.high, self.only, self.names, self.fields, self.whole = low, high, only, names, fields, whole
         self.single, self.multiple = single, multiple
+        self.reads, self.writes = reads or MOST_READS[self.is_bit], writes or MOST_WRITES[self.is_bit]
 
     @property
     def is_bit(self) -> bool:
@@ -68,6 +72,10 @@ class Point(Generic[T]):
     def size(self) -> int:
         """Addresses of the whole point."""
         return self.width * self.count
+
+    def whole_items(self, most: int) -> int:
+        """Addresses of the items that fit into a request of `most`."""
+        return max(most // self.width, 1) * self.width
 
     def decode(self, registers: Sequence[int]) -> Any:
         """The value of the whole point, a tuple if it is an array."""
@@ -164,7 +172,7 @@ _READS = {
 
 def _chunks(point: Point[Any]) -> list[tuple[int, int]]:
     """(address, quantity) of the requests that a point takes; no item is cut."""
-    most = 2000 if point.is_bit else 125 // point.width * point.width if point.width <= 125 else point.width
+    most = point.whole_items(point.reads)
     return [(point.at + k, min(most, point.size - k)) for k in range(0, point.size, most)]
 
 
@@ -180,7 +188,7 @@ def _writes(point: Point[Any], words: list[int]) -> list[tuple[str, int, Any]]:
         raise AttributeError(f"{point.name} cannot be written")
     kind = "coil" if point.is_bit else "register"
     one = bool if point.is_bit else int
-    most = 1968 if point.is_bit else 123 // point.width * point.width if point.width <= 123 else point.width
+    most = point.whole_items(point.writes)
     if (len(words) == 1 and point.single) or not point.multiple:
         return [(f"write_{kind}", point.at + k, one(word)) for k, word in enumerate(words)]
     return [

@@ -7,9 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from modbus_map.model import READ_FUNCTION, Device, Point, exact_of
+from modbus_map.model import READ_FUNCTION, Device, Point, exact_of, is_bit_table
 
 MOST_BITS, MOST_REGISTERS = 2000, 125  # of one read request
+MOST_WRITTEN_BITS, MOST_WRITTEN = 1968, 123  # of one write request
 TABLE_TITLES = {
     "coils": "Coils",
     "discrete_inputs": "Discrete inputs",
@@ -28,6 +29,20 @@ class Block:
     items: tuple[tuple[Point, int], ...]  # (point, item)
 
 
+def most_of_protocol(table: str, write: bool = False) -> int:
+    """Items that one request may have, whatever the device."""
+    if is_bit_table(table):
+        return MOST_WRITTEN_BITS if write else MOST_BITS
+    return MOST_WRITTEN if write else MOST_REGISTERS
+
+
+def most(device: Device, table: str, write: bool = False) -> int:
+    """Items that one request may have: what the protocol allows, or fewer if the map says so (`core`)."""
+    limit = most_of_protocol(table, write)
+    name = f"MAX_{'WRITE' if write else 'READ'}_{'BITS' if is_bit_table(table) else 'REGISTERS'}"
+    return min(limit, device.core_parameter(name, limit))
+
+
 def blocks(device: Device, most_registers: int = MOST_REGISTERS) -> list[Block]:
     """The fewest requests that read all that can be read; neighbours are joined, an item is never cut.
 
@@ -37,13 +52,14 @@ def blocks(device: Device, most_registers: int = MOST_REGISTERS) -> list[Block]:
     for table, points in device.tables():
         if not device.has_function(READ_FUNCTION[table]):
             continue
-        most = most_registers if table.endswith("registers") else MOST_BITS
+        limit = most(device, table)
+        limit = limit if is_bit_table(table) else min(limit, most_registers)
         open_: list[tuple[Point, int]] = []
         at = end = 0
         for point in points:
             for item in range(point.count if point.readable else 0):
                 first = point.at + item * point.width
-                if open_ and (first != end or first + point.width - at > most):
+                if open_ and (first != end or first + point.width - at > limit):
                     made.append(Block(table, at, end - at, tuple(open_)))
                     open_ = []
                 if not open_:
