@@ -54,11 +54,15 @@ def top(devices, width):
         host = ""
         if Plan(device).areas:
             names = ("cyc", "stb", "we", "adr", "dat")
-            host = "".join(f", .host_{n}_i({f'host_{n}_i & on' if n in ('cyc', 'stb') else f'host_{n}_i'})" for n in names)
+            host = "".join(
+                f", .host_{n}_i({f'host_{n}_i & on' if n in ('cyc', 'stb') else f'host_{n}_i'})" for n in names
+            )
             host += f", .host_dat_o(hd[{number}]), .host_ack_o(ha[{number}]), .host_err_o(he[{number}])"
         else:
             host = ""
-        idle = "" if Plan(device).areas else f" assign ha[{number}] = 0; assign he[{number}] = 0; assign hd[{number}] = 0;"
+        idle = (
+            "" if Plan(device).areas else f" assign ha[{number}] = 0; assign he[{number}] = 0; assign hd[{number}] = 0;"
+        )
         binds.append(
             f"  wire [{width - 1}:0] out_{number}; assign outs[{number}] = out_{number};{idle}\n"
             f"  if (1) begin : g{number} wire on = sel_i == {number};\n"
@@ -117,7 +121,13 @@ class Batch:
         files = [line for line in core_files() if not line.startswith("+")]
         folders = [ROOT / line[len("+incdir+") :] for line in core_files() if line.startswith("+")]
         model = models.Model(
-            "map_batch", HERE / "harness.cpp", [*(ROOT / f for f in files), file], folders, {}, {"WORDS": self.words}, optimise=OPTIMISE
+            "map_batch",
+            HERE / "harness.cpp",
+            [*(ROOT / f for f in files), file],
+            folders,
+            {},
+            {"WORDS": self.words},
+            optimise=OPTIMISE,
         )
         lib = ctypes.CDLL(str(models.compiled(model)))
         lib.device_new.restype = ctypes.c_void_p
@@ -149,9 +159,7 @@ class Batch:
         if changes > MOST_CHANGES:
             raise AssertionError(f"{changes} changes of the outputs")
         n = self.words
-        vectors = [
-            sum(self._changes[n * k + w] << 32 * w for w in range(n)) for k in range(changes)
-        ]
+        vectors = [sum(self._changes[n * k + w] << 32 * w for w in range(n)) for k in range(changes)]
         return (bytes(self._answer[:count]) if count else None), vectors
 
     def host(self, space, item, write=None):

@@ -2,13 +2,13 @@
 # Copyright (c) 2026 the project contributors
 """A generated bank and the oracle of its map get the same requests; every answer and every clock of the outputs counts."""
 
-from protocol.frames import text
+from modbus_map.model import SPACES
 from protocol.defs import Space
+from protocol.frames import text
 
 from map import random_maps
 from map.batch import ADDRESS, layout
 from map.oracle import SPACE_OF, Oracle
-from modbus_map.model import SPACES
 
 READS = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_registers"}
 PATIENCE = 30_000
@@ -112,8 +112,9 @@ class Match:
         )
 
     def read_back(self, coil):
-        from protocol.frames import adu
         import struct
+
+        from protocol.frames import adu
 
         points = [p for p in self.device.points if p.freeze == coil]
         found = []
@@ -149,7 +150,9 @@ class Match:
                         pulses[key] = pulses.get(key, 0) + (now and not last)
                         last = now
                     expected = oracle.strobes.count(key)
-                    assert pulses.get(key, 0) == expected, f"{shown}: {key} pulsed {pulses.get(key, 0)} times, not {expected}"
+                    assert pulses.get(key, 0) == expected, (
+                        f"{shown}: {key} pulsed {pulses.get(key, 0)} times, not {expected}"
+                    )
 
     def compare_outputs(self, vector, shown):
         for point in self.device.points:
@@ -168,7 +171,9 @@ class Match:
         item = self.rng.randrange(point.count)
         space = SPACES[point.table]
         address = point.addresses(item)[0]
-        assert self.batch.host(space, address) == self.oracle.values[point.name, item], f"{self.device.name} {point.name}"
+        assert self.batch.host(space, address) == self.oracle.values[point.name, item], (
+            f"{self.device.name} {point.name}"
+        )
         value = self.rng.getrandbits(16)
         self.batch.host(space, address, value)
         self.oracle.values[point.name, item] = value

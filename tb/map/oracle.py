@@ -32,7 +32,7 @@ class Oracle(Slave):
     """
 
     def __init__(self, device, address):
-        tables = {s: (0, 65536) for s in SPACE_OF.values()}
+        tables = dict.fromkeys(SPACE_OF.values(), (0, 65536))
         super().__init__(Config(address=address, tables=tables, files=(1, 10_000)))
         self.device = device
         self.memory = MapMemory(self)

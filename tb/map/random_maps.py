@@ -17,7 +17,7 @@ BITS = {"coils": 1, "discrete_inputs": 1}
 
 def number_to_raw(kind, number, size):
     if kind in FLOATS:
-        letter, length = FLOATS[kind]
+        letter, _length = FLOATS[kind]
         return int.from_bytes(struct.pack(f">{letter}", number), "big")
     return int(number) & ((1 << size) - 1)
 
@@ -95,7 +95,9 @@ def random_device(rng, name):
         points = [point("coils", 0, "only")]
     rng.shuffle(points)
     zero = frozenset(t for t in TABLES if rng.random() < 0.15 and any(p.table == t for p in points))
-    files = [File(n, f"file{n}", rng.randint(1, 40), rng.choice(("rw", "ro"))) for n in (1, 2, 7) if rng.random() < 0.15]
+    files = [
+        File(n, f"file{n}", rng.randint(1, 40), rng.choice(("rw", "ro"))) for n in (1, 2, 7) if rng.random() < 0.15
+    ]
     return device(name, points, zero_gaps=zero, files=files, functions=(1, 2, 3, 4, 5, 6, 15, 16, 20, 21, 22, 23))
 
 

@@ -109,7 +109,7 @@ def test_writing_gives_the_registers_of_the_model(drive):
 
 @pytest.mark.parametrize(
     "name, value",
-    [("mode", 2), ("ramp", 60.001), ("ramp", -0.001), ("tag", "0123456789"), ("gains", (1, 2)), ("gains", (1, 2, 16384)),  # noqa: E501
+    [("mode", 2), ("ramp", 60.001), ("ramp", -0.001), ("tag", "0123456789"), ("gains", (1, 2)), ("gains", (1, 2, 16384)),
      ("setpoint", 1e39)],
 )  # fmt: skip
 def test_what_the_slave_would_refuse_is_not_sent(drive, name, value):

@@ -4,8 +4,9 @@
 
 import time
 
-from map.output_devices import EVERYTHING
 from modbus_map.outputs import c_header, client, manual, tags, vhdl
+
+from map.output_devices import EVERYTHING
 
 
 def test_fast_and_the_same_each_time():

@@ -6,8 +6,8 @@ import os
 import random
 
 import pytest
-
 from harness.volume import volume
+
 from map import random_maps
 from map.batch import Batch
 from map.match import Match

@@ -270,7 +270,7 @@ def test_mbmap(device):
 
 @DEVICES
 def test_modpoll(device):
-    """Rows by modpoll's rules: a reference lies inside its poll, a poll reads only what exists, at most 123 registers."""  # noqa: E501
+    """Rows by modpoll's rules: a reference lies inside its poll, a poll reads only what exists, at most 123 registers."""
     rows = list(csv.reader(tags.modpoll(device).splitlines()))
     assert rows[0] == ["device", device.name, "17"]
     kinds = {"coil": "coils", "discrete_input": "discrete_inputs", "holding_register": "holding_registers",

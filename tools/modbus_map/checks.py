@@ -338,7 +338,8 @@ class _Compiler:
                 self.error((*path, "enum", item.number), text, key=True)
         if kind == "memory" and width > 1 and access != "ro" and point.is_limited:
             key = next(key for key in ("min", "max", "enum") if key in given)
-            text = f"{_a(kind_of)} in memory has no limits: they are for whole values; kind: register, or leave {key} out"
+            text = f"{_a(kind_of)} in memory has no limits: they are for whole values; "
+            text += f"kind: register, or leave {key} out"
             self.error((*path, key), text, key=True)
         resets = self.resets(parsed, point, path)
         if kind == "wire" and parsed.reset is not None:

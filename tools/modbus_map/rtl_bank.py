@@ -567,7 +567,6 @@ class Bank:
     # ---------------------------------------------------------------- registers
 
     def registers(self) -> list[str]:
-        plan = self.plan
         points = [p for p in self.device.points if p.kind == "register"]
         if not points:
             return []

@@ -145,7 +145,7 @@ def _functions(device: Device, point: Point) -> list[str]:
             "",
             f"static inline uint16_t {name}_{part.name}_set(uint16_t number, uint16_t field)",
             "{",
-            f"  return (uint16_t)((number & ~{tail}_MASK & 0xFFFFu) | (((unsigned)field << {tail}_SHIFT) & {tail}_MASK));",  # noqa: E501
+            f"  return (uint16_t)((number & ~{tail}_MASK & 0xFFFFu) | (((unsigned)field << {tail}_SHIFT) & {tail}_MASK));",
             "}",
         ]
     if point.is_scaled:
@@ -210,8 +210,8 @@ def generate(device: Device) -> dict[str, str]:
     lines = [
         f"/* {device.name} - {shared.comment(device.title)}: register map {shared.comment(device.version)}",
         " *",
-        " * X_AT is the address of a point, X_SIZE its addresses, X_COUNT its items. X_get and X_set turn the registers of",  # noqa: E501
-        " * one item, in the order of their addresses, into a number and back. X_value and X_set_value do it with scale and",  # noqa: E501
+        " * X_AT is the address of a point, X_SIZE its addresses, X_COUNT its items. X_get and X_set turn the registers of",
+        " * one item, in the order of their addresses, into a number and back. X_value and X_set_value do it with scale and",
         " * offset. X_HOST_AT is an address of the host port. C99 or C++11; float and double are those of IEEE 754.",
         " *",
         " * Made from the map file: change that, not this file.",

@@ -248,7 +248,7 @@ def _references(point: Point, item: int) -> list[list[Any]]:
 
 
 def web_of_things(device: Device) -> str:
-    """A Thing Description 1.1 with the Modbus binding; values are numbers before scale and offset, which stand beside."""  # noqa: E501
+    """A Thing Description 1.1 with the Modbus binding; values are numbers before scale and offset, which stand beside."""
     properties: dict[str, Any] = {}
     for _, points in device.tables():
         for point in points:
