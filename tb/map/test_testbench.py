@@ -22,7 +22,7 @@ RANDOM = 3  # random devices in Icarus; thousands in test_random_maps.py
 ODD = """
 device: odd
 line: {address: 200, format: 8O1, run_time: true}
-functions: [01, 02, 03, 04, 05, 06, 16, 20, 21, 22, 23, 24]
+functions: [01, 03, 04, 05, 06, 16, 20, 21, 22, 23, 24]
 core: {BROADCAST: 0, RESPONSE_DELAY: 20}
 holding_registers:
   - gaps: zero
