@@ -27,6 +27,7 @@ SETTINGS = {
     "DE_LEAD": 1,
     "DE_TAIL": 0,
 }
+OF_THE_BIT = ("BIT_FRACTIONS", "GLITCH_FILTER")  # of the core, and BAUD is judged by them
 TEXTS = {
     "VENDOR_NAME": "vendor",
     "PRODUCT_CODE": "product",
@@ -174,13 +175,14 @@ def settings(device: Device) -> list[str]:
     """What becomes settings_i."""
     values = {name: device.core_parameter(name, default) for name, default in SETTINGS.items()}
     if not device.line.run_time:
+        values |= {name: device.core_parameter(name, 0) for name in OF_THE_BIT}
         lines = [f"  localparam integer {name} = {value};" for name, value in values.items()]
         return [*lines, "", '`include "modbus_settings_value.vh"', ""]
     widths = {"DE_TAIL": 4, "DE_LEAD": 4, "STALL_LIMIT": 16, "RESPONSE_DELAY": 12, "DROP_LATE": 1}
     widths |= {"STRICT_TURNAROUND": 1, "GAP_COUNT_ONLY": 1, "BROADCAST": 1}
-    fields = ", ".join(f"{width}'d{values[name]}" for name, width in widths.items())
+    fields = "4'd0, " + ", ".join(f"{width}'d{values[name]}" for name, width in widths.items())
     return [
-        "  // Driver tail and lead, stall limit, response delay, drop late, strict, gap count only, broadcast",
+        "  // No fraction of a bit; driver tail and lead, stall limit, response delay, drop late, strict, gap count only, broadcast",
         "  wire [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {",
         f"    {fields}, format_i, bit_time_i, address_i",
         "  };",
@@ -193,7 +195,7 @@ def core_parameters(device: Device) -> list[tuple[str, str]]:
     found = [("FUNCTION_CODES", f"128'h{device.function_mask:X}")]
     if Plan(device).checks:
         found.append(("CHECK_WRITES", "1"))
-    found += [(name, str(value)) for name, value in device.core if name not in SETTINGS and name != "CLK_HZ"]
+    found += [(name, str(value)) for name, value in device.core if name not in (*SETTINGS, "CLK_HZ", *(() if device.line.run_time else ("MAX_BIT_TIME",)))]
     identity = device.identity
     if device.has_function(REPORT_ID) and identity.server_id:
         found += [
@@ -221,7 +223,8 @@ def core_parameters(device: Device) -> list[tuple[str, str]]:
 def core(device: Device, ports: list[Port]) -> list[str]:
     """The instance of the core."""
     codes = " ".join(f"{code:02X}" for code in device.functions)
-    parameters = [".CLK_HZ(CLK_HZ)", *(f".{name}({value})" for name, value in core_parameters(device))]
+    longest = [] if device.line.run_time else [".MAX_BIT_TIME(BIT_TIME)"]
+    parameters = [".CLK_HZ(CLK_HZ)", *longest, *(f".{name}({value})" for name, value in core_parameters(device))]
     alive = "alive_o" if any(p.role == "alive" for p in ports) else ""
     binds = [
         ".clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(SETTINGS),",
