@@ -34,10 +34,8 @@ module modbus_bit_clock #(
   // The two low bits stand apart.  With them the end is known two clocks ahead: one for the strobe's register, one that
   // an extended quarter does not use.
   // Bits of the count above the two low ones
-  localparam integer U = (MAX_BIT_TIME >> 15 != 0) ? 12 : (MAX_BIT_TIME >> 14 != 0) ? 11 :
-                         (MAX_BIT_TIME >> 13 != 0) ? 10 : (MAX_BIT_TIME >> 12 != 0) ? 9 :
-                         (MAX_BIT_TIME >> 11 != 0) ? 8  : (MAX_BIT_TIME >> 10 != 0) ? 7 :
-                         (MAX_BIT_TIME >> 9 != 0)  ? 6  : (MAX_BIT_TIME >> 8 != 0)  ? 5 : 4;
+  localparam integer W = $clog2(MAX_BIT_TIME + 1);
+  localparam integer U = (W > 16) ? 12 : (W < 8) ? 4 : W - 4;
   reg [U-1:0] upper_q   = {U{1'b0}};
   reg [1:0]  lower_q   = 2'd0;
   reg [1:0]  quarter_q = 2'd0;

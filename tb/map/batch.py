@@ -118,13 +118,12 @@ class Batch:
         PLACE.mkdir(parents=True, exist_ok=True)
         file = PLACE / f"batch_{hashlib.sha256(text.encode()).hexdigest()[:16]}.v"
         file.write_text(text)
-        files = [line for line in core_files() if not line.startswith("+")]
-        folders = [ROOT / line[len("+incdir+") :] for line in core_files() if line.startswith("+")]
+        files, folders = core_files()
         model = models.Model(
             "map_batch",
             HERE / "harness.cpp",
             [*(ROOT / f for f in files), file],
-            folders,
+            [ROOT / f for f in folders],
             {},
             {"WORDS": self.words},
             optimise=OPTIMISE,

@@ -695,7 +695,7 @@ class _Compiler:
         return made
 
     def core(self, device: Device) -> None:
-        low, high = device.core_parameter("T15_MIN_US", 750), device.core_parameter("T35_MIN_US", 1750)
+        low, high = device.core_parameter("T15_MIN_US"), device.core_parameter("T35_MIN_US")
         key = "T15_MIN_US" if "T15_MIN_US" in dict(device.core) else "T35_MIN_US"
         if low > high:
             self.error(("core", key), f"T15_MIN_US {low} is above T35_MIN_US {high}; t1.5 is the shorter one")

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 INCLUDE = Path(__file__).resolve().parents[2] / "rtl" / "include"
-FILES = ("modbus_settings.vh", "modbus_config.vh")
+SETTINGS = "modbus_settings.vh"
+FILES = (SETTINGS, "modbus_config.vh")
 _LINE = re.compile(r"^\s*parameter\s+(?:integer|\[[^]]*\])\s+(\w+)\s*=\s*(.*?)\s*,?\s*(?://\s*(.*))?$", re.M)
 
 # What the map says elsewhere: parameter -> key
@@ -37,13 +38,14 @@ NOT_HERE = {"USER_CODES": "a device made from a map has no user port; instantiat
 
 
 class Parameter(NamedTuple):
-    """A parameter: its range, and what it does."""
+    """A parameter: the include file that has it, its range, and what it does."""
 
     name: str
     default: int
     least: int
     most: int
     meaning: str
+    file: str
 
 
 @functools.cache
@@ -61,5 +63,10 @@ def parameters() -> dict[str, Parameter]:
                 least, most = 0, 1
             else:
                 least, most = 0, (1 << 24) - 1
-            found[name] = Parameter(name, int(default), least, most, comment)
+            found[name] = Parameter(name, int(default), least, most, comment, file)
     return found
+
+
+def settings() -> list[str]:
+    """Those that a drop-in makes settings_i of; the core has ports for them."""
+    return [name for name, parameter in parameters().items() if parameter.file == SETTINGS]

@@ -342,6 +342,18 @@ def _octets(most: int) -> Any:
     return check
 
 
+def _octets_schema(most: int, most_text: int) -> Any:
+    """A text, a byte, or a list of bytes."""
+    octet = {"type": "integer", "minimum": 0, "maximum": 255}
+    return _schema(
+        anyOf=[
+            {"type": "string", "minLength": 1, "maxLength": most_text},
+            octet,
+            {"type": "array", "minItems": 1, "maxItems": most, "items": octet},
+        ]
+    )
+
+
 def _conformity(value: Any) -> int:
     if isinstance(value, bool) or value not in (1, 2, 3, 0x81, 0x82, 0x83):
         raise wrong(f"{shown(value)} is no conformity level; 1, 2, 3, 0x81, 0x82 or 0x83")
@@ -607,34 +619,12 @@ class IdentityFile(Strict):
     server_id: Annotated[
         bytes,
         BeforeValidator(_octets(16)),
-        _schema(
-            anyOf=[
-                {"type": "string", "minLength": 1, "maxLength": 16},
-                {"type": "integer", "minimum": 0, "maximum": 255},
-                {
-                    "type": "array",
-                    "minItems": 1,
-                    "maxItems": 16,
-                    "items": {"type": "integer", "minimum": 0, "maximum": 255},
-                },
-            ]
-        ),
+        _octets_schema(16, 16),
     ] = Field(b"", description="answer of function code 11H: a text, a byte, or a list of bytes")
     additional_data: Annotated[
         bytes,
         BeforeValidator(_octets(249)),
-        _schema(
-            anyOf=[
-                {"type": "string", "minLength": 1, "maxLength": 244},
-                {"type": "integer", "minimum": 0, "maximum": 255},
-                {
-                    "type": "array",
-                    "minItems": 1,
-                    "maxItems": 249,
-                    "items": {"type": "integer", "minimum": 0, "maximum": 255},
-                },
-            ]
-        ),
+        _octets_schema(249, 244),
     ] = Field(b"", description="what function code 11H answers behind the run indicator")
     conformity: Annotated[int, BeforeValidator(_conformity), _schema(enum=[1, 2, 3, 0x81, 0x82, 0x83])] | None = Field(
         None, description="conformity level of 2BH; default: 0x81, 0x82 or 0x83 by the objects that exist"

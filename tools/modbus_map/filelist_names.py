@@ -7,11 +7,12 @@ from __future__ import annotations
 import functools
 from pathlib import Path
 
+import filelist
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @functools.cache
 def modules() -> frozenset[str]:
     """Names of the modules of rtl/modbus.f, in lower case."""
-    lines = (ROOT / "rtl" / "modbus.f").read_text(encoding="utf-8").splitlines()
-    return frozenset(Path(line.strip()).stem.lower() for line in lines if line.strip().endswith(".v"))
+    return frozenset(Path(name).stem.lower() for name in filelist.read(ROOT, filelist.CORE)[0])

@@ -16,6 +16,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
 
+from modbus_map import core_parameters
+
 Table = Literal["coils", "discrete_inputs", "input_registers", "holding_registers"]
 TABLES: tuple[Table, ...] = ("coils", "discrete_inputs", "input_registers", "holding_registers")
 SPACES = {"coils": 0, "discrete_inputs": 1, "input_registers": 2, "holding_registers": 3}  # MB_SPACE_*
@@ -396,9 +398,9 @@ class Device:
         """FUNCTION_CODES of the core: bit n is function code n."""
         return sum(1 << code for code in self.functions)
 
-    def core_parameter(self, name: str, default: int) -> int:
-        """The value that the map gives a parameter of the core, or `default`."""
-        return dict(self.core).get(name, default)
+    def core_parameter(self, name: str) -> int:
+        """The value that the map gives a parameter of the core, or the core's own default."""
+        return dict(self.core).get(name, core_parameters.parameters()[name].default)
 
     @property
     def has_memory(self) -> bool:
@@ -429,7 +431,7 @@ class Device:
             ports += point_ports(point)
         if self.has_memory:
             ports += HOST_PORTS
-        if self.core_parameter("ALIVE_TIMEOUT_MS", 0):
+        if self.core_parameter("ALIVE_TIMEOUT_MS"):
             ports.append(Port("alive_o", "output", 1, "level: a master talks to us", role="alive"))
         return ports
 

@@ -24,16 +24,31 @@ def slice_of(name: str, width: int, high: int, low: int) -> str:
     return f"{name}[{high}:{low}]" if high > low else f"{name}[{high}]"
 
 
-def fill(labels: list[str], behind: str) -> list[str]:
-    """The labels of a row of a case, as many on a line as there is room for."""
+def lines_of(words: list[str], room: int) -> list[str]:
+    """The words in lines, as many on a line as there is room for."""
     lines, line = [], ""
-    for n, label in enumerate(labels):
-        word = label + ("," if n + 1 < len(labels) else "")
-        if line and len(line) + len(word) > COLUMNS - 30:
+    for word in words:
+        if line and len(line) + len(word) > room:
             lines.append(line)
             line = ""
         line += (" " if line else "") + word
-    return [*lines, line + behind] if line else []
+    return [*lines, line] if line else lines
+
+
+def listed(items: list[str], end: str = "") -> list[str]:
+    """The items with commas between them, and `end` behind the last."""
+    return [item + ("," if n + 1 < len(items) else end) for n, item in enumerate(items)]
+
+
+def fill(labels: list[str], behind: str) -> list[str]:
+    """The labels of a row of a case."""
+    lines = lines_of(listed(labels), COLUMNS - 30)
+    return [*lines[:-1], lines[-1] + behind] if lines else []
+
+
+def packed(items: list[str], end: str, indent: str) -> list[str]:
+    """Connections; behind the last one stands `end`."""
+    return [indent + line for line in lines_of(listed(items, end), COLUMNS + 8)]
 
 
 def aligned(ports: list[tuple[str, str, str, str]]) -> list[str]:

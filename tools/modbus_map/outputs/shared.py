@@ -38,9 +38,8 @@ def most_of_protocol(table: str, write: bool = False) -> int:
 
 def most(device: Device, table: str, write: bool = False) -> int:
     """Items that one request may have: what the protocol allows, or fewer if the map says so (`core`)."""
-    limit = most_of_protocol(table, write)
     name = f"MAX_{'WRITE' if write else 'READ'}_{'BITS' if is_bit_table(table) else 'REGISTERS'}"
-    return min(limit, device.core_parameter(name, limit))
+    return min(most_of_protocol(table, write), device.core_parameter(name))
 
 
 def blocks(device: Device, most_registers: int = MOST_REGISTERS) -> list[Block]:

@@ -12,11 +12,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from modbus_map.model import ITEMS, READ_FUNCTION, Device, Point
-from modbus_map.outputs.verilog import SETTINGS
+from modbus_map.outputs.shared import most
 
 RUNTIME = Path(__file__).with_name("testbench_runtime.py")
-MOST_READ, MOST_WRITE = 125, 123  # registers of one request
-T35_MIN_US = 1750
+REGISTERS = "holding_registers"
 
 
 def generate(device: Device) -> dict[str, str]:
@@ -50,11 +49,10 @@ def table(device: Device) -> list[str]:
         "",
         f'NAME = "{device.name}"',
         f"ADDRESS, FORMAT, RUN_TIME = {line.address}, {line.format_number}, {line.run_time}",
-        f"BROADCAST = {bool(setting('BROADCAST', SETTINGS['BROADCAST']))}",
+        f"BROADCAST = {bool(setting('BROADCAST'))}",
         f"FUNCTIONS = {device.functions!r}",
-        f"MOST_READ, MOST_WRITE = {min(MOST_READ, setting('MAX_READ_REGISTERS', MOST_READ))}, "
-        f"{min(MOST_WRITE, setting('MAX_WRITE_REGISTERS', MOST_WRITE))}  # registers of one request",
-        f"T35_MIN_US, RESPONSE_DELAY = {setting('T35_MIN_US', T35_MIN_US)}, {setting('RESPONSE_DELAY', 0)}",
+        f"MOST_READ, MOST_WRITE = {most(device, REGISTERS)}, {most(device, REGISTERS, True)}  # registers of one request",
+        f"T35_MIN_US, RESPONSE_DELAY = {setting('T35_MIN_US')}, {setting('RESPONSE_DELAY')}",
         "POINTS = [",
         *(f"    {line_of(point)}," for point in device.points),
         "]",

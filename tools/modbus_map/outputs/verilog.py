@@ -6,27 +6,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import filelist
+
+from modbus_map import core_parameters
 from modbus_map.model import Device, Port
 from modbus_map.rtl_bank import Bank, one_line, place_of, port
 from modbus_map.rtl_plan import Plan
 from modbus_map.rtl_properties import properties
-from modbus_map.rtl_text import aligned, bits
+from modbus_map.rtl_text import aligned, bits, packed
 
 ROOT = Path(__file__).resolve().parents[3]
-CLK_HZ = 50_000_000
 CORE_FOLDER = "$(MODBUS_RTU)"  # in NAME.f: the folder of this project
 
-# Settings that a drop-in has as parameters (rtl/include/modbus_settings.vh), and their defaults
-SETTINGS = {
-    "BROADCAST": 1,
-    "GAP_COUNT_ONLY": 0,
-    "STRICT_TURNAROUND": 0,
-    "DROP_LATE": 0,
-    "RESPONSE_DELAY": 0,
-    "STALL_LIMIT": 0,
-    "DE_LEAD": 1,
-    "DE_TAIL": 0,
-}
 OF_THE_BIT = ("BIT_FRACTIONS", "GLITCH_FILTER")  # of the core, and BAUD is judged by them
 TEXTS = {
     "VENDOR_NAME": "vendor",
@@ -107,7 +98,7 @@ def wrapped(text: str) -> list[str]:
 def module(device: Device) -> list[str]:
     """The top."""
     line, run_time = device.line, device.line.run_time
-    parameters = [f"  parameter integer CLK_HZ  = {device.core_parameter('CLK_HZ', CLK_HZ)}"]
+    parameters = [f"  parameter integer CLK_HZ  = {device.core_parameter('CLK_HZ')}"]
     comments = ["clk_i in hertz"]
     if not run_time:
         parameters += [
@@ -159,28 +150,15 @@ def binds_of(point) -> list[str]:
     return found
 
 
-def packed(items: list[str], end: str, indent: str) -> list[str]:
-    """Connections, as many on a line as there is room for; behind the last one stands `end`."""
-    lines, now = [], ""
-    for n, item in enumerate(items):
-        word = item + ("," if n + 1 < len(items) else end)
-        if now and len(now) + len(word) > 108:
-            lines.append(indent + now)
-            now = ""
-        now += (" " if now else "") + word
-    return [*lines, indent + now] if now else lines
-
-
 def settings(device: Device) -> list[str]:
     """What becomes settings_i."""
-    values = {name: device.core_parameter(name, default) for name, default in SETTINGS.items()}
     if not device.line.run_time:
-        values |= {name: device.core_parameter(name, 0) for name in OF_THE_BIT}
-        lines = [f"  localparam integer {name} = {value};" for name, value in values.items()]
+        names = [*core_parameters.settings(), *OF_THE_BIT]
+        lines = [f"  localparam integer {name} = {device.core_parameter(name)};" for name in names]
         return [*lines, "", '`include "modbus_settings_value.vh"', ""]
     widths = {"DE_TAIL": 4, "DE_LEAD": 4, "STALL_LIMIT": 16, "RESPONSE_DELAY": 12, "DROP_LATE": 1}
     widths |= {"STRICT_TURNAROUND": 1, "GAP_COUNT_ONLY": 1, "BROADCAST": 1}
-    fields = "4'd0, " + ", ".join(f"{width}'d{values[name]}" for name, width in widths.items())
+    fields = "4'd0, " + ", ".join(f"{width}'d{device.core_parameter(name)}" for name, width in widths.items())
     return [
         "  // No fraction of a bit; driver tail and lead, stall limit, response delay, drop late, strict, gap count only, broadcast",
         "  wire [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {",
@@ -190,12 +168,13 @@ def settings(device: Device) -> list[str]:
     ]
 
 
-def core_parameters(device: Device) -> list[tuple[str, str]]:
+def core_values(device: Device) -> list[tuple[str, str]]:
     """(parameter, value) of the core beside CLK_HZ."""
     found = [("FUNCTION_CODES", f"128'h{device.function_mask:X}")]
     if Plan(device).checks:
         found.append(("CHECK_WRITES", "1"))
-    found += [(name, str(value)) for name, value in device.core if name not in (*SETTINGS, "CLK_HZ", *(() if device.line.run_time else ("MAX_BIT_TIME",)))]
+    said = {*core_parameters.settings(), "CLK_HZ"} | (set() if device.line.run_time else {"MAX_BIT_TIME"})
+    found += [(name, str(value)) for name, value in device.core if name not in said]
     identity = device.identity
     if device.has_function(REPORT_ID) and identity.server_id:
         found += [
@@ -224,7 +203,7 @@ def core(device: Device, ports: list[Port]) -> list[str]:
     """The instance of the core."""
     codes = " ".join(f"{code:02X}" for code in device.functions)
     longest = [] if device.line.run_time else [".MAX_BIT_TIME(BIT_TIME)"]
-    parameters = [".CLK_HZ(CLK_HZ)", *longest, *(f".{name}({value})" for name, value in core_parameters(device))]
+    parameters = [".CLK_HZ(CLK_HZ)", *longest, *(f".{name}({value})" for name, value in core_values(device))]
     alive = "alive_o" if any(p.role == "alive" for p in ports) else ""
     binds = [
         ".clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(SETTINGS),",
@@ -247,17 +226,17 @@ def core(device: Device, ports: list[Port]) -> list[str]:
     ]
 
 
-def core_files() -> list[str]:
-    """The lines of rtl/modbus.f that the core needs: include folders and files, below the folder of the project."""
-    lines = (ROOT / "rtl" / "modbus.f").read_text(encoding="utf-8").split()
+def core_files() -> tuple[list[str], list[str]]:
+    """(files of rtl/modbus.f that the core needs, include folders), from the folder of the project."""
+    files, folders = filelist.read(ROOT, filelist.CORE)
     banks = ("rtl/bank/", "rtl/bus/", "rtl/modbus_rtu_slave")
-    return [line for line in lines if not line.startswith(banks)]
+    return [name for name in files if not name.startswith(banks)], folders
 
 
 def file_list(device: Device) -> str:
     """NAME.f: the core below $(MODBUS_RTU), and NAME.v beside the list."""
     lines = [f"// Made by modbus map.  MODBUS_RTU is the folder of the core; {device.name}.v is found from where the tool runs."]
-    for line in core_files():
-        plus = "+incdir+"
-        lines.append(f"{plus}{CORE_FOLDER}/{line[len(plus):]}" if line.startswith(plus) else f"{CORE_FOLDER}/{line}")
+    files, folders = core_files()
+    lines += [f"+incdir+{CORE_FOLDER}/{name}" for name in folders]
+    lines += [f"{CORE_FOLDER}/{name}" for name in files]
     return "\n".join([*lines, f"{device.name}.v"]) + "\n"
