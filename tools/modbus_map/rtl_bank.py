@@ -785,8 +785,12 @@ class Bank:
             shown = "shown"
         else:
             shown = "held_q" if plan.keys else "16'd0"
+        # Gaps of a table that has no items here: held_q is that of another table.
+        gaps = [f"space == {SPACE_NAMES[s]}" for s in range(4) if plan.has_free_addresses(s) and not plan.has(s)]
+        if gaps and plan.keys:
+            shown = f"({' || '.join(gaps)}) ? 16'd0 : {shown}"
         if plan.areas:
-            shown = f"in_memory ? memory_q : {shown}" if plan.keys else "memory_q"
+            shown = f"in_memory ? memory_q : {shown}" if plan.keys or gaps else "memory_q"
         refuse = "refuse_q" if plan.checks else ""
         lines += [
             "  assign grant_ack_o = grant_ack_q & grant_req_i;",
