@@ -47,11 +47,37 @@ const Faults = (() => {
   };
 
   const describe = (fault) => {
-    const [meaning, names] = KINDS[fault.kind];
-    const values = Object.keys(names).map((name) => `${name} ${fault[name]}`);
-    return [meaning, ...values].join(", ");
+    const f = fault;
+    switch (f.kind) {
+      case "flip": return `bit ${f.bit} of character ${f.character} flipped`;
+      case "parity": return `wrong parity of character ${f.character}`;
+      case "stop": return `low stop bit of character ${f.character}`;
+      case "break": return `break of ${f.bits} bits before character ${f.character}`;
+      case "glitch": return `glitch of ${f.width} bits before character ${f.character}`;
+      case "jitter": return `edges jitter by ${f.amount} bits`;
+      case "rate": return `rate off by ${f.amount} %`;
+      case "gap": return `gap of ${f.amount} characters before character ${f.character}`;
+      case "cut": return `cut to ${f.character} bytes`;
+      case "extra": return `byte ${f.value} too many`;
+      case "late": return `${f.amount} ms late`;
+      case "collision": return `collision from character ${f.character} on`;
+      default: return KINDS[f.kind] ? KINDS[f.kind][0] : f.kind;
+    }
   };
 
-  return { KINDS, WHEN, check, describe };
+  // "gap character 1 amount 2", as the device writes a fault, in words.
+  const inWords = (text) => text.split("; ").map((one) => {
+    const [kind, ...rest] = one.split(" ");
+    if (!(kind in KINDS)) return one;
+    const fault = { kind };
+    for (const [name, [value]] of Object.entries(KINDS[kind][1])) fault[name] = value;
+    for (let i = 0; i + 1 < rest.length; i += 2) fault[rest[i]] = rest[i + 1];
+    return describe(fault);
+  }).join("; ");
+
+  // As the device writes it.
+  const written = (fault) => [fault.kind, ...Object.keys(KINDS[fault.kind][1]).flatMap((name) => [name, fault[name]])].join(" ");
+
+  return { KINDS, WHEN, check, describe, inWords, written };
 })();
 if (typeof module !== "undefined") module.exports = Faults;

@@ -249,7 +249,7 @@ const Wasm = (() => {
       const time = Date.now() / 1000;
       const request = {
         n: ++this.n, time, direction: "request", hex: Words.text(bytes), words: Words.request(bytes), errors,
-        injected: fault ? Faults.describe(fault) : "", start, end, edges, characters: heard,
+        injected: fault ? Faults.written(fault) : "", start, end, edges, characters: heard,
       };
       ++this.stats.requests;
       this.keep(request);
@@ -266,7 +266,7 @@ const Wasm = (() => {
       ++this.stats.answers;
       const answer = {
         n: ++this.n, time: time + (said[0].start - start) / CLOCK_HZ, direction: "answer", hex: Words.text(reply),
-        words: Words.answer(bytes, reply), errors: [], injected: answerFault ? Faults.describe(answerFault) : "",
+        words: Words.answer(bytes, reply), errors: [], injected: answerFault ? Faults.written(answerFault) : "",
         start: said[0].start, end: said[said.length - 1].start + this.character, edges: [], characters: said, to: request.n,
       };
       this.keep(answer);

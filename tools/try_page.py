@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Make docs/try.html: the core as WebAssembly behind the panel, one file that opens from disk.
+
+    try_page.py [OUT.html]
+
+The RTL goes through Yosys CXXRTL and the C++ compiler of the package ziglang; page, style and scripts are those of sim/panel.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import common
+import filelist
+
+ROOT = common.ROOT
+PANEL = ROOT / "sim" / "panel"
+BUILD = Path("build") / "try"
+TARGET = ROOT / "docs" / "try.html"
+LIMIT = 400_000  # bytes of the page
+TOP, HARNESS = "slave_bench", ("core_bench.v", "slave_bench.v")
+# The reference map; 16 clocks a bit at 19200 baud.  CLK_HZ and the tables are said again in sim/panel/wasm.js.
+PARAMETERS = {
+    "CLK_HZ": 307_200,
+    "COIL_COUNT": 1024,
+    "DISCRETE_COUNT": 2048,
+    "INPUT_COUNT": 1024,
+    "HOLDING_COUNT": 2048,
+    "FILE_COUNT": 4,
+    "FILE_RECORDS": 256,
+}
+COMPILE = (
+    *("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O3", "-flto", "-fno-exceptions", "-fno-rtti", "-w"),
+    "-Wl,--strip-all",
+)
+SCRIPTS = ("words.js", "faults.js", "panel.js", "wasm.js")
+START = """
+Wasm.open(Uint8Array.from(atob(CORE), (c) => c.charCodeAt(0))).then((backend) => {
+  Panel.use(backend);
+  backend.device.tell({ event: "connection", open: true });
+});
+"""
+
+
+def wasm(folder: Path = BUILD, parameters: Mapping[str, object] = PARAMETERS) -> Path:
+    """Compile the core to WebAssembly in `folder` (relative to the root); ToolError if a tool fails."""
+    import pyosys
+
+    (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    core, places = filelist.read(ROOT, filelist.CORE)
+    files = [*core, *(f"{common.BENCHES}/{name}" for name in HARNESS)]
+    includes = " ".join(f"-I{place}" for place in (*places, common.BENCHES))
+    settings = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    model, out = folder / "model.cc", folder / "core.wasm"
+    script = "; ".join(
+        (
+            f"read_verilog {includes} {' '.join(files)}",
+            f"chparam {settings} {TOP}",
+            f"hierarchy -check -top {TOP}",
+            "proc; flatten; opt; memory -nomap; opt_clean",
+            f"write_cxxrtl -O6 -g0 {model}",
+        )
+    )
+    common.run(["python", "tools/yosys.py", "-p", script], folder / "yosys.log")
+    os.environ |= {f"ZIG_{kind}_CACHE_DIR": str(ROOT / BUILD / "zig") for kind in ("GLOBAL", "LOCAL")}
+    runtime = Path(pyosys.__file__).parent / "share" / "include" / "backends" / "cxxrtl" / "runtime"
+    command = ["python", "-m", "ziglang", "c++", *COMPILE, f"-I{runtime}", f'-DCORE_MODEL="{ROOT / model}"']
+    common.run([*command, "sim/panel/core.cpp", "-o", str(out)], folder / "zig.log")
+    return ROOT / out
+
+
+def page(core: bytes) -> str:
+    """The text of the page around the bytes of core.wasm."""
+    text = (PANEL / "panel.html").read_text(encoding="utf-8")
+    style = (PANEL / "panel.css").read_text(encoding="utf-8")
+    text = text.replace('<link rel="stylesheet" href="panel.css">', f"<style>\n{style}</style>")
+    text = re.sub(r'<script src="[a-z]+\.js"></script>\n', "", text)
+    scripts = "\n".join((PANEL / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    core_text = f"const CORE = {json.dumps(base64.b64encode(core).decode())};"
+    return text.replace("</body>", f"<script>\n{scripts}\n{core_text}\n{START}</script>\n</body>")
+
+
+def main() -> int:
+    """Build the core, write the page, say how large it is."""
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else TARGET
+    try:
+        core = wasm()
+    except common.ToolError as error:
+        print(f"try: {error}", file=sys.stderr)
+        return 1
+    text = page(core.read_bytes())
+    size = len(text.encode())
+    if size > LIMIT:
+        print(f"try: the page has {size} bytes, {LIMIT} is the limit", file=sys.stderr)
+        return 1
+    target.write_text(text, encoding="utf-8")
+    print(f"try: {target} ({size} bytes, {core.stat().st_size} of them the core)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
