@@ -18,8 +18,9 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-import common
 import filelist
+
+import common
 
 ROOT = common.ROOT
 PANEL = ROOT / "sim" / "panel"
@@ -38,7 +39,17 @@ PARAMETERS = {
     "FILE_RECORDS": 256,
 }
 COMPILE = (
-    *("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O3", "-flto", "-fno-exceptions", "-fno-rtti", "-w"),
+    *(
+        "-target",
+        "wasm32-wasi",
+        "-mexec-model=reactor",
+        "-std=c++17",
+        "-O3",
+        "-flto",
+        "-fno-exceptions",
+        "-fno-rtti",
+        "-w",
+    ),
     "-Wl,--strip-all",
 )
 SCRIPTS = ("words.js", "faults.js", "panel.js", "wasm.js")
