@@ -5,7 +5,8 @@
 
     try_page.py [OUT.html]
 
-The RTL goes through Yosys CXXRTL and the C++ compiler of the package ziglang; page, style and scripts are those of sim/panel.
+The RTL goes through Yosys CXXRTL and the C++ compiler of the package ziglang; page, style and scripts are those of
+sim/panel.
 """
 
 from __future__ import annotations

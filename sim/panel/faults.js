@@ -13,20 +13,20 @@ const Faults = (() => {
     parity: ["wrong parity", CHARACTER, ["request", "answer"]],
     stop: ["a stop bit that is low", CHARACTER, ["request", "answer"]],
     break: ["a break before a character", { ...CHARACTER, bits: [12, 1, 1000, "bit times low"] }, ["request", "answer"]],
-    glitch: ["a glitch before a start bit", { ...CHARACTER, width: [0.3, 0.01, 0.49, "bit times low"] }, ["request", "answer"]],
-    jitter: ["jitter of every edge", { amount: [0.2, 0.01, 0.49, "bit times at most"] }, ["request", "answer"]],
-    rate: ["the rate is off", { amount: [3, -50, 50, "per cent"] }, ["request", "answer"]],
+    glitch: ["a glitch before a start bit", { ...CHARACTER, width: [0.3, 0.07, 0.49, "bit times low"] }, ["request", "answer"]],
+    jitter: ["jitter of every edge", { amount: [0.2, 0, 0.45, "bit times at most"] }, ["request", "answer"]],
+    rate: ["the rate is off", { amount: [3, -20, 20, "per cent"] }, ["request", "answer"]],
     gap: ["a gap before a character", { character: [1, -256, 255, "character, from 0; negative from the end"],
-      amount: [2, 0.1, 100, "characters long"] }, ["request", "answer"]],
-    cut: ["a cut frame", { character: [4, 0, 255, "bytes that remain"] }, ["request", "answer"]],
+      amount: [2, 0, 1000, "characters long"] }, ["request", "answer"]],
+    cut: ["a cut frame", { character: [4, -256, 255, "bytes that remain"] }, ["request", "answer"]],
     extra: ["a byte too many", { value: [0, 0, 255, "its value"] }, ["request", "answer"]],
     swapped_crc: ["CRC bytes swapped", {}, ["request", "answer"]],
     none: ["the frame is lost", {}, ["request", "answer"]],
-    late: ["a late answer", { amount: [100, 1, 10000, "milliseconds"] }, ["answer"]],
+    late: ["a late answer", { amount: [100, 0, 60000, "milliseconds"] }, ["answer"]],
     echo: ["an echo", {}, ["request", "answer"]],
     collision: ["another talker over the frame", { ...CHARACTER, value: [85, 0, 255, "its characters"] }, ["request", "answer"]],
   };
-  const WHEN = { every: [1, 1e6], probability: [0, 1], count: [1, 1e6] };
+  const WHEN = { every: [1, 1e9], probability: [0, 1], count: [1, 1e9] };
 
   // A fault with all its arguments; throws `Refused` with a text.
   const check = (given, Refused = Error) => {

@@ -480,7 +480,7 @@ const Panel = (() => {
       g.moveTo(x(c.start) + 1, y - 2.5);
       g.lineTo(x(end) - 1, y - 2.5);
       g.stroke();
-      if (wide / data.length < 4) return;
+      if (wide / data.length < 6) return;
       // The bits as sampled: S start, P parity, E end.
       const parity = data.format[1] !== "N";
       for (let k = 0; k < data.length; ++k) {
@@ -694,7 +694,7 @@ const Panel = (() => {
     if ($("active-faults").dataset.shown === signature) return;
     $("active-faults").dataset.shown = signature;
     $("active-faults").replaceChildren(...got.faults.map((fault) => {
-      const when = fault.every ? `every ${fault.every}` : fault.probability !== undefined && fault.probability !== null ? `with probability ${fault.probability}` : "the next frame";
+      const when = fault.every ? `every ${fault.every}` : fault.probability !== undefined ? `with probability ${fault.probability}` : "the next frame";
       return element("li", {}, element("span", { text: `${fault.direction}: ${Faults.describe(fault)}, ${when}; done ${fault.done || 0}` }),
         element("button", { type: "button", text: "Remove", onclick: async () => { await ask("unfault", { fault: fault.fault }); showFaults(); } }));
     }));
@@ -790,8 +790,8 @@ const Panel = (() => {
     $("send").hidden = !sends;
     $("line-form").hidden = !line;
     $("values").hidden = !signals;
-    $("downloads").replaceChildren(...(capture ? ["pcapng", "vcd", "txt"] : []).flatMap((kind) =>
-      [element("a", { href: `api/capture.${kind}`, download: "", text: kind }), " "]));
+    $("downloads").replaceChildren(...(capture ? ["pcapng", "fst", "txt"] : []).flatMap((kind, i) =>
+      [i ? " " : "save as ", element("a", { href: `api/capture.${kind}`, download: "", text: kind })]));
     $("points").replaceChildren(...(device.points || []).map((point) => element("option", { value: point.name })));
     for (const field of $("line-form").elements) if (field.name in device) field.value = device[field.name];
     buildTabs();

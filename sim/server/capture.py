@@ -20,6 +20,7 @@ BYTE_ORDER, COMMENT, HARDWARE, NAME, RESOLUTION, END = 0x1A2B3C4D, 1, 2, 2, 9, 0
 UPPER_PDU = 252  # link type: tags that name the dissector, then the frame
 TAG_DISSECTOR, TAG_END = 12, 0
 DISSECTOR = b"mbrtu"  # Modbus RTU
+TAGS = struct.pack(">HH8sHH", TAG_DISSECTOR, 8, DISSECTOR, TAG_END, 0)
 MICROSECONDS = 6
 FST_TIMESCALE_NS = -9
 PINS = ("rxd", "txd", "de")
@@ -46,11 +47,10 @@ def pcapng(frames: Iterable[Frame], link: str) -> bytes:
     out = [block(SECTION, head)]
     about = options((NAME, (link or "line").encode()), (RESOLUTION, bytes([MICROSECONDS])))
     out.append(block(INTERFACE, struct.pack("<HHI", UPPER_PDU, 0, 0) + about))
-    tags = struct.pack(">HH", TAG_DISSECTOR, 8) + DISSECTOR.ljust(8, b"\0") + struct.pack(">HH", TAG_END, 0)
     for frame in frames:
         if not frame.data:
             continue
-        data = tags + frame.data
+        data = TAGS + frame.data
         stamp = int(frame.time * 10**MICROSECONDS)
         remarks = [f"broken on purpose: {frame.injected}"] if frame.injected else []
         if frame.silence:
@@ -89,7 +89,7 @@ def changes(frames: Iterable[Frame]) -> list[tuple[int, int]]:
 
 
 def fst(frames: Iterable[Frame], clock_hz: int) -> bytes:
-    """The pins over simulated time, in nanoseconds, written by the FST library of GTKWave.  Refused without pylibfst."""
+    """The pins over simulated time, in nanoseconds, written by the FST library of GTKWave.  Refused without it."""
     try:
         from pylibfst import lib
     except ImportError:

@@ -56,12 +56,19 @@ class Device:
         self.tables = {name: tuple(facts["tables"][name]) for name in SPACES if name in facts["tables"]}
         self.files = tuple(facts.get("files") or (0, 1))
         self.points = maps.of_map(facts.get("map"))
-        self.frames = Frames(facts["address"], self.point_names if self.points else None)
+        present = f"this one is {self.slaves[0]}" if len(self.slaves) == 1 else f"there are {self.addresses()}"
+        self.bits = 10 if self.hello["format"] == FORMATS.index("8N1") else 11  # of a character
+        self.frames = Frames(present, self.point_names if self.points else None)
+        self.frames.character = self.bits * self.hello["bit_time"]
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         self.signals: dict[str, Signal] = {}
         self.sent: dict[str, Any] = {}  # what a signal wrote last
         self.failed: dict[str, str] = {}  # signals that the device refuses
         self.script: Any = None
+
+    def addresses(self) -> str:
+        """All slaves, for people."""
+        return ", ".join(map(str, self.slaves))
 
     # ------------------------------------------------------------------ events
 
@@ -85,6 +92,7 @@ class Device:
 
     async def written(self, event: dict[str, Any]) -> None:
         """A write by the master, with the values that are there now."""
+        asked = self.frames.request(event.get("to", 0))
         table = NAMES.get(event["space"], str(event["space"]))
         first, count = event["first"], event["last"] - event["first"] + 1
         if table == "files" and event.get("file"):
@@ -95,7 +103,7 @@ class Device:
             "table": table,
             "first": first,
             "time": event["time"],
-            "to": event.get("to", 0),
+            "to": asked.n if asked else 0,
         }
         if self.points:
             covered = [
@@ -103,27 +111,13 @@ class Device:
                 for p in self.points.values()
                 if p.table == table and p.first <= event["last"] and first < p.first + p.size
             ]
-            said["values"] = self.asked_values(event.get("to", 0), count)
+            said["values"] = asked_values(asked.data if asked else b"", count)
             said["points"] = {p.name: (await self.point(p.name))["text"] for p in covered}
         else:
             said["values"] = (await self.read(table, first, count, event["slave"]))["values"]
         self.tell(said)
         if self.script:
             self.script.written(table, first, said["values"])
-
-    def asked_values(self, n: int, count: int) -> list[int]:
-        """What a request wrote, as far as it says: a map's registers have no place in a table."""
-        frame = self.frames.get(n)
-        data = frame.data if frame else b""
-        if len(data) < 8:
-            return []
-        if data[1] in (5, 6):
-            value = int.from_bytes(data[4:6], "big")
-            return [int(value > 0)] if data[1] == 5 else [value]
-        body = data[7:-2] if data[1] in (15, 16) else data[11:-2] if data[1] == 23 else b""
-        if data[1] == 15:
-            return [body[i >> 3] >> (i & 7) & 1 for i in range(min(count, 8 * len(body)))]
-        return [int.from_bytes(body[i : i + 2], "big") for i in range(0, min(2 * count, len(body)), 2)]
 
     def point_names(self, data: bytes) -> list[str]:
         """The points that a request names."""
@@ -161,7 +155,7 @@ class Device:
         if given is None:
             return self.slaves[0]
         if given not in self.slaves:
-            raise Unknown(f"slave {given}: there are {', '.join(map(str, self.slaves))}")
+            raise Unknown(f"slave {given}: there are {self.addresses()}")
         return given
 
     def place(self, table: str, first: int, count: int) -> int:
@@ -350,7 +344,6 @@ class Device:
         if request is None:
             raise Unknown(f"frame {n}: its request is no longer kept")
         answer = self.frames.get(request.answer) if request.answer else None
-        bits = 11 if self.hello["format"] != 3 else 10
         edges, characters = [], []
         for part, pin in ((request, "rxd"), (answer, "txd")):
             if part is None:
@@ -372,7 +365,7 @@ class Device:
             "characters": characters,
             "clock_hz": self.hello["clock_hz"],
             "bit_time": self.hello["bit_time"],
-            "length": bits,
+            "length": self.bits,
             "format": FORMATS[self.hello["format"]],
             "t15": self.hello["t15"],
             "t35": self.hello["t35"],
@@ -382,11 +375,17 @@ class Device:
 
     async def faults(self) -> dict[str, Any]:
         """What is set."""
-        return {"faults": (await self.ask("faults"))["faults"]}
+        found = []
+        for row in (await self.ask("faults"))["faults"]:
+            fault = {name: int(v) if isinstance(v, float) and v.is_integer() else v for name, v in row.items()}
+            if fault.get("count") and fault.get("done", 0) >= fault["count"]:
+                continue  # it has happened
+            if fault.get("every") == fault.get("count") == 1:
+                del fault["every"], fault["count"]  # the next frame, once
+            found.append({name: v for name, v in fault.items() if v or name not in ("every", "count", "probability")})
+        return {"faults": found}
 
-    async def fault(
-        self, kind: str, direction: str = "request", slave: int | None = None, **arguments: Any
-    ) -> dict[str, Any]:
+    async def fault(self, kind: str, direction: str = "request", **arguments: Any) -> dict[str, Any]:
         """Break the line."""
         words = []
         for name, value in arguments.items():
@@ -441,8 +440,10 @@ class Device:
 
     async def list_signals(self) -> dict[str, Any]:
         """What moves."""
-        rows = [{"point": name, "kind": s.kind, **s.arguments, "text": s.text() + (f": {self.failed[name]}" if name in self.failed else "")}
-                for name, s in self.signals.items()]  # fmt: skip
+        rows = []
+        for name, signal in self.signals.items():
+            text = signal.text() + (f": {self.failed[name]}" if name in self.failed else "")
+            rows.append({"point": name, "kind": signal.kind, **signal.arguments, "text": text})
         return {"signals": rows, "script": self.script.state() if self.script else None}
 
     def fitting(self, name: str, value: float) -> Any:
@@ -470,3 +471,16 @@ class Device:
                 except Refused as error:
                     self.failed[name] = str(error)
             await asyncio.sleep(max(TICK_S - (time.monotonic() - now), 0.01))
+
+
+def asked_values(data: bytes, count: int) -> list[int]:
+    """What a request wrote, as far as it says: a map's registers have no place in a table."""
+    if len(data) < 8:
+        return []
+    if data[1] in (5, 6):
+        value = int.from_bytes(data[4:6], "big")
+        return [int(value > 0)] if data[1] == 5 else [value]
+    body = data[7:-2] if data[1] in (15, 16) else data[11:-2] if data[1] == 23 else b""
+    if data[1] == 15:
+        return [body[i >> 3] >> (i & 7) & 1 for i in range(min(count, 8 * len(body)))]
+    return [int.from_bytes(body[i : i + 2], "big") for i in range(0, min(2 * count, len(body)), 2)]

@@ -52,6 +52,7 @@ class Frame:
     source: str = ""
     slave: int = 0
     to: int = 0  # of an answer: its request
+    number: int = 0  # the bridge's: one for a request and its answers
     silence: dict[str, Any] | None = None
     delivered: dict[str, Any] | None = None
     answer: int = 0  # of a request: its answer
@@ -83,14 +84,21 @@ class Frame:
 class Frames:
     """The recent frames, and what is said of them.  `names` gives the points' names of (table, first, count)."""
 
-    address: int
+    present: str  # "this one is 17"
     names: Any = None
     kept: deque = field(default_factory=lambda: deque(maxlen=KEPT))
     last: dict[int, Frame] = field(default_factory=dict)
+    requests: dict[int, Frame] = field(default_factory=dict)  # by the bridge's number
+    character: int = 0  # clocks
+    count: int = 0
 
     def get(self, n: int) -> Frame | None:
         """A frame that is still kept."""
         return self.last.get(n)
+
+    def request(self, n: int) -> Frame | None:
+        """The request with this number of the bridge, if it is still kept."""
+        return self.requests.get(n)
 
     def take(self, event: dict[str, Any]) -> dict[str, Any] | None:
         """An event of the bridge as the event for clients; None if it is of no frame."""
@@ -98,19 +106,21 @@ class Frames:
         if kind == "frame":
             return {"event": "frame", "frame": self.frame(event).row()}
         if kind == "silence":
-            said = {"to": event["to"], "verdict": event["verdict"], "words": self.silence(event)}
-            if frame := self.get(event["to"]):
-                frame.silence = said
-            return {"event": "silence", **said}
+            frame = self.request(event["to"])
+            if frame is None:
+                return None
+            frame.silence = {"to": frame.n, "verdict": event["verdict"], "words": self.silence(event, frame)}
+            return {"event": "silence", **frame.silence}
         if kind == "delivered":
-            return {"event": "delivered", **self.delivered(event)}
+            said = self.delivered(event)
+            return {"event": "delivered", **said} if said else None
         return None
 
     def frame(self, event: dict[str, Any]) -> Frame:
         """Keep a frame."""
         data = bytes.fromhex(event["bytes"])
         asks = event["direction"] == "request"
-        asked = None if asks else self.get(event.get("to", 0))
+        asked = None if asks else self.request(event.get("to", 0))
         words = (
             request(data)
             if asks
@@ -123,53 +133,61 @@ class Frames:
             words += (
                 f" ({', '.join(names[:NAMES_SHOWN])}{', ...' if len(names) > NAMES_SHOWN else ''})" if names else ""
             )
+        starts = event.get("starts", [])
+        self.count += 1
         frame = Frame(
-            n=event["n"],
+            n=self.count,
             time=event["time"],
             direction=event["direction"],
             data=data,
             words=words,
             cycle=event["cycle"],
-            end=event["end"],
-            starts=event.get("starts", []),
+            end=event["cycle"] + starts[-1] + self.character if starts else event["end"],
+            starts=starts,
             edges=array("I", event.get("edges", [])),
             errors=[tuple(fault) for fault in event.get("faults", [])],
-            injected=event.get("injected") or "",
+            injected=injections(event),
             source=event.get("source", ""),
             slave=event.get("slave", 0),
-            to=event.get("to", 0),
+            to=asked.n if asked else 0,
+            number=event["n"],
         )
         if len(self.kept) == self.kept.maxlen:
-            self.last.pop(self.kept[0].n, None)
+            old = self.kept[0]
+            self.last.pop(old.n, None)
+            if self.requests.get(old.number) is old:
+                del self.requests[old.number]
         self.kept.append(frame)
         self.last[frame.n] = frame
+        if asks:
+            self.requests[frame.number] = frame
         if asked:
             asked.answer = frame.n
         return frame
 
-    def silence(self, event: dict[str, Any]) -> str:
+    def silence(self, event: dict[str, Any], frame: Frame) -> str:
         """Why a request got no answer, in words."""
         verdict = event["verdict"]
-        frame = self.get(event["to"])
-        if verdict == "other address" and frame and frame.data:
-            return f"for slave {frame.data[0]}, this one is {self.address}"
+        if verdict == "other address" and frame.data:
+            return f"for slave {frame.data[0]}, {self.present}"
         return SILENCES.get(verdict, verdict)
 
-    def delivered(self, event: dict[str, Any]) -> dict[str, Any]:
+    def delivered(self, event: dict[str, Any]) -> dict[str, Any] | None:
         """What the client got of an answer that a fault has changed."""
         data = bytes.fromhex(event["bytes"])
-        frame = self.get(event["to"])
-        asked = self.get(frame.to) if frame and frame.to else frame
-        words = answer(asked.data, data) if asked and data and len(asked.data) > 3 else ""
-        said = {
-            "to": event["to"],
-            "hex": data.hex(" ").upper(),
-            "words": words,
-            "injected": event.get("injected") or "",
-        }
-        if frame:
-            frame.delivered = said
-        return said
+        asked = self.request(event["to"])
+        frame = self.get(asked.answer) if asked and asked.answer else None
+        if asked is None or frame is None:
+            return None
+        words = answer(asked.data, data) if data and len(asked.data) > 3 else ""
+        frame.delivered = {"to": frame.n, "hex": data.hex(" ").upper(), "words": words, "injected": injections(event)}
+        return frame.delivered
+
+
+def injections(event: dict[str, Any]) -> str:
+    """What was broken on purpose, one text."""
+    found = event.get("injected") or ""
+    return found if isinstance(found, str) else "; ".join(found)
 
 
 class Log:

@@ -215,7 +215,6 @@ OPERATIONS = {
                 ),
                 "probability": Argument("number", "of each frame", None, least=0, most=1),
                 "count": Argument("integer", "at most so often", None, least=1, most=1_000_000),
-                "slave": SLAVE,
             },
             more=True,
         ),
@@ -308,7 +307,7 @@ def openapi(version: str) -> dict[str, Any]:
     paths["/api/events"] = {
         "get": {
             "operationId": "events",
-            "summary": "WebSocket: every operation as {id, op, ...}, and events: frame, silence, delivered, write, changed, client, "
+            "summary": "WebSocket: operations as {id, op, ...}, and events: frame, silence, delivered, write, changed, client, "
             "script, warning, dropped",
             "responses": {"101": {"description": "a WebSocket"}},
         }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""The points of a map (NAME.live.json): values by name, with scale, unit, enum and bit fields, to and from the words of the host port."""
+"""The points of a map (NAME.live.json): scale, unit, enum, bit fields, to and from words of the host port."""
 
 from __future__ import annotations
 

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""The user's script: a process of its own, called with time and registers, ended when it hangs, started anew when its file changes."""
+"""The user's script: a process of its own, called with time and registers.
+
+It is ended when it hangs, and started again when its file changes.
+"""
 
 from __future__ import annotations
 

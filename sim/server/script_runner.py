@@ -6,8 +6,9 @@
     script_runner.py FILE
 
 The script has `step(t, registers)`, called every `INTERVAL` seconds (0.1 without one), and may have
-`written(t, registers, table, first, values)`, called for each write by the master.  `registers` reads and writes: a point of the
-map by name, `registers["temperature"] = 21.5`; tables by address, `registers.inputs[0] = 7`, `registers.holdings[0:4]`.
+`written(t, registers, table, first, values)`, called for each write by the master.  `registers` reads and writes: a
+point of the map by name, `registers["temperature"] = 21.5`; tables by address, `registers.inputs[0] = 7`,
+`registers.holdings[0:4]`.
 What a call writes goes to the device when it returns, as one piece for each run of addresses.
 """
 
@@ -58,7 +59,7 @@ class Table:
             for i, one in enumerate(value):
                 self.registers.changes[self.name, (key.start or 0) + i] = int(one)
         else:
-            self.registers.changes[self.name, key] = int(round(value))
+            self.registers.changes[self.name, key] = round(value)
 
 
 class Registers:

@@ -52,7 +52,7 @@ MOST_ROWS = 100_000
 
 
 def samples(text: str) -> list[tuple[float, float]]:
-    """(seconds, value) of CSV lines; a first line that is no numbers is a head.  Refused if there is nothing to replay."""
+    """(seconds, value) of CSV lines; a first line without numbers is a head.  Refused if nothing can be replayed."""
     found: list[tuple[float, float]] = []
     for number, row in enumerate(csv.reader(io.StringIO(text)), 1):
         if not row or not "".join(row).strip():
