@@ -4,6 +4,7 @@
 """Make docs/try.html: the core as WebAssembly behind the panel, one file that opens from disk.
 
     try_page.py [OUT.html]
+    try_page.py --check        says if docs/try.html is older than what it is made of
 
 The RTL goes through Yosys CXXRTL and the C++ compiler of the package ziglang; page, style and scripts are those of
 sim/panel.
@@ -12,14 +13,13 @@ sim/panel.
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import os
 import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-
-import filelist
 
 import common
 
@@ -40,18 +40,8 @@ PARAMETERS = {
     "FILE_RECORDS": 256,
 }
 COMPILE = (
-    *(
-        "-target",
-        "wasm32-wasi",
-        "-mexec-model=reactor",
-        "-std=c++17",
-        "-O3",
-        "-flto",
-        "-fno-exceptions",
-        "-fno-rtti",
-        "-w",
-    ),
-    "-Wl,--strip-all",
+    *("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O3", "-flto"),
+    *("-fno-exceptions", "-fno-rtti", "-DNDEBUG", "-w", "-Wl,--strip-all"),
 )
 SCRIPTS = ("words.js", "faults.js", "panel.js", "wasm.js")
 START = """
@@ -62,19 +52,43 @@ Wasm.open(Uint8Array.from(atob(CORE), (c) => c.charCodeAt(0))).then((backend) =>
 """
 
 
+def sources() -> list[str]:
+    """The Verilog files of the core and of the bench around it, relative to the root."""
+    return [*common.rtl_files(), *(f"{common.BENCHES}/{name}" for name in HARNESS)]
+
+
+def digest() -> str:
+    """A name for the contents of everything that goes into the page."""
+    out = hashlib.sha256()
+    pages = [f"sim/panel/{name}" for name in (*SCRIPTS, "core.cpp", "panel.css", "panel.html")]
+    flat = [f"{common.BENCHES}/{name}" for name in ("flat_ports.vh", "flat_inst.vh")]
+    tools = ["tools/try_page.py", "tools/requirements/try.txt", "tools/requirements/yosys.txt"]
+    for name in [*sources(), *common.include_files(), *flat, *pages, *tools]:
+        out.update(f"{name}\n".encode())
+        out.update((ROOT / name).read_bytes())
+    return out.hexdigest()[:16]
+
+
+def stale(target: Path = TARGET) -> str:
+    """Why the page must be made again, or an empty text."""
+    if not target.exists():
+        return f"{target.name} is not there; run make try"
+    return (
+        "" if f'content="{digest()}"' in target.read_text(encoding="utf-8") else f"{target.name} is old; run make try"
+    )
+
+
 def wasm(folder: Path = BUILD, parameters: Mapping[str, object] = PARAMETERS) -> Path:
     """Compile the core to WebAssembly in `folder` (relative to the root); ToolError if a tool fails."""
     import pyosys
 
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
-    core, places = filelist.read(ROOT, filelist.CORE)
-    files = [*core, *(f"{common.BENCHES}/{name}" for name in HARNESS)]
-    includes = " ".join(f"-I{place}" for place in (*places, common.BENCHES))
+    includes = " ".join([*common.include_options(), f"-I{common.BENCHES}"])
     settings = " ".join(f"-set {name} {value}" for name, value in parameters.items())
     model, out = folder / "model.cc", folder / "core.wasm"
     script = "; ".join(
         (
-            f"read_verilog {includes} {' '.join(files)}",
+            f"read_verilog {includes} {' '.join(sources())}",
             f"chparam {settings} {TOP}",
             f"hierarchy -check -top {TOP}",
             "proc; flatten; opt; memory -nomap; opt_clean",
@@ -92,6 +106,9 @@ def wasm(folder: Path = BUILD, parameters: Mapping[str, object] = PARAMETERS) ->
 def page(core: bytes) -> str:
     """The text of the page around the bytes of core.wasm."""
     text = (PANEL / "panel.html").read_text(encoding="utf-8")
+    text = text.replace(
+        '<meta charset="utf-8">', f'<meta charset="utf-8">\n<meta name="made-from" content="{digest()}">'
+    )
     style = (PANEL / "panel.css").read_text(encoding="utf-8")
     text = text.replace('<link rel="stylesheet" href="panel.css">', f"<style>\n{style}</style>")
     text = re.sub(r'<script src="[a-z]+\.js"></script>\n', "", text)
@@ -102,6 +119,9 @@ def page(core: bytes) -> str:
 
 def main() -> int:
     """Build the core, write the page, say how large it is."""
+    if sys.argv[1:] == ["--check"]:
+        print(f"try: {stale() or 'docs/try.html is up to date'}")
+        return 1 if stale() else 0
     target = Path(sys.argv[1]) if len(sys.argv) > 1 else TARGET
     try:
         core = wasm()
