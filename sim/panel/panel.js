@@ -591,7 +591,9 @@ const Panel = (() => {
   };
 
   const showStatus = (status) => {
-    figures($("counts"), COUNTER_WORDS, status.counters);
+    for (const part of [$("counts"), $("log-title"), $("log")]) part.hidden = !status.counters;
+    $("no-counters").hidden = Boolean(status.counters);
+    if (status.counters) figures($("counts"), COUNTER_WORDS, status.counters);
     figures($("errors"), ERROR_WORDS, status.errors);
     const story = [...status.story].reverse();
     $("log").replaceChildren(...(story.length ? story : ["empty"]).map((line) =>
@@ -849,7 +851,7 @@ const Panel = (() => {
     const part = [...document.querySelectorAll("section:not([hidden])")].find((s) => s.dataset.key === event.key);
     if (!part) return;
     part.scrollIntoView();
-    const into = part.querySelector("#list, canvas, [role=gridcell][tabindex='0'], select, input, button");
+    const into = part.querySelector("#list, canvas, [role=gridcell][tabindex='0']") || part.querySelector("select, input, button");
     if (into) into.focus();
     event.preventDefault();
   });

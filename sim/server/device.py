@@ -44,6 +44,7 @@ METHODS = {
     "points": "all_points",
     "signals": "list_signals",
 }
+READS = (1, 2, 3, 4)
 
 
 class Device:
@@ -119,18 +120,22 @@ class Device:
         if self.script:
             self.script.written(table, first, said["values"])
 
-    def point_names(self, data: bytes) -> list[str]:
-        """The points that a request names."""
-        table = FUNCTION_TABLES.get(data[1])
-        if not table or len(data) < 8:
+    def point_names(self, asked: bytes, answered: bytes | None) -> list[str]:
+        """The points in a request, and with their values those in an answer that reads."""
+        table = FUNCTION_TABLES.get(asked[1]) if len(asked) >= 8 else None
+        if not table:
             return []
-        first = int.from_bytes(data[2:4], "big")
-        count = int.from_bytes(data[4:6], "big") if data[1] in (1, 2, 3, 4, 15, 16) else 1
-        return [
-            p.name
-            for p in self.points.values()
-            if p.table == table and p.first < first + count and first < p.first + p.size
-        ]
+        first = int.from_bytes(asked[2:4], "big")
+        count = int.from_bytes(asked[4:6], "big") if asked[1] in (*READS, 15, 16) else 1
+        found = [p for p in self.points.values() if p.table == table and p.first < first + count]
+        found = [p for p in found if first < p.first + p.size]
+        if answered is None:
+            return [p.name for p in found]
+        if asked[1] not in READS or len(answered) < 6 or answered[1] != asked[1]:
+            return []
+        items = items_of(answered, table, count)
+        whole = [p for p in found if first <= p.first and p.first + p.size <= first + len(items)]
+        return [f"{p.name} {p.text(p.of_line(items[p.first - first :][: p.size]))}" for p in whole]
 
     # ------------------------------------------------------------------ calls
 
@@ -484,3 +489,11 @@ def asked_values(data: bytes, count: int) -> list[int]:
     if data[1] == 15:
         return [body[i >> 3] >> (i & 7) & 1 for i in range(min(count, 8 * len(body)))]
     return [int.from_bytes(body[i : i + 2], "big") for i in range(0, min(2 * count, len(body)), 2)]
+
+
+def items_of(answer: bytes, table: str, count: int) -> list[int]:
+    """The bits or registers in the answer of a read."""
+    body = answer[3:-2]
+    if table in BIT_TABLES:
+        return [body[i >> 3] >> (i & 7) & 1 for i in range(min(count, 8 * len(body)))]
+    return [int.from_bytes(body[i : i + 2], "big") for i in range(0, len(body) - 1, 2)]

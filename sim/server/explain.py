@@ -82,10 +82,10 @@ class Frame:
 
 @dataclass
 class Frames:
-    """The recent frames, and what is said of them.  `names` gives the points' names of (table, first, count)."""
+    """The recent frames, and what is said of them."""
 
     present: str  # "this one is 17"
-    names: Any = None
+    names: Any = None  # (request, answer or None) -> the points in it
     kept: deque = field(default_factory=lambda: deque(maxlen=KEPT))
     last: dict[int, Frame] = field(default_factory=dict)
     requests: dict[int, Frame] = field(default_factory=dict)  # by the bridge's number
@@ -128,11 +128,10 @@ class Frames:
             if asked and len(asked.data) > 3
             else data.hex(" ").upper()
         )
-        if asks and self.names and len(data) > 7:
-            names = self.names(data)
-            words += (
-                f" ({', '.join(names[:NAMES_SHOWN])}{', ...' if len(names) > NAMES_SHOWN else ''})" if names else ""
-            )
+        if self.names and (asks or asked):
+            names = self.names(data if asks else asked.data, None if asks else data)
+            more = ", ..." if len(names) > NAMES_SHOWN else ""
+            words += f" ({', '.join(names[:NAMES_SHOWN])}{more})" if names else ""
         starts = event.get("starts", [])
         self.count += 1
         frame = Frame(

@@ -307,8 +307,8 @@ def openapi(version: str) -> dict[str, Any]:
     paths["/api/events"] = {
         "get": {
             "operationId": "events",
-            "summary": "WebSocket: operations as {id, op, ...}, and events: frame, silence, delivered, write, changed, client, "
-            "script, warning, dropped",
+            "summary": "WebSocket: operations as {id, op, ...}; events frame, silence, delivered, write, changed, "
+            "client, script, warning, dropped",
             "responses": {"101": {"description": "a WebSocket"}},
         }
     }

@@ -94,6 +94,17 @@ class Point:
             out.append(sum(w << 16 * i for i, w in enumerate(run[::-1] if self.word_order == "big" else run)))
         return out
 
+    def of_line(self, registers: list[int]) -> Any:
+        """The value of the registers or bits of the whole point, in the order of their addresses."""
+        if self.table in BIT_TABLES:
+            found = [self.value(bit) for bit in registers]
+        else:
+            width = self.size // self.count
+            runs = [registers[at : at + width] for at in range(0, self.size, width)]
+            order = -1 if self.word_order == "big" else 1
+            found = [self.value(sum(w << 16 * i for i, w in enumerate(run[::order]))) for run in runs]
+        return found if self.count > 1 else found[0]
+
     # ------------------------------------------------------------------ values
 
     def number(self, raw: int) -> Any:

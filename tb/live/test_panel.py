@@ -44,7 +44,7 @@ POOR_CONTRAST = """(limit) => {
     if (!e.offsetParent || !says) continue;
     const [high, low] = [light(getComputedStyle(e).color), light(behind(e))].sort((a, b) => b - a);
     const ratio = (high + 0.05) / (low + 0.05);
-    if (ratio < limit) poor.push(`${e.tagName}#${e.id}.${e.className} ${e.textContent.slice(0, 20)}: ${ratio.toFixed(2)}`);
+    if (ratio < limit) poor.push(`${e.tagName}#${e.id} ${e.textContent.slice(0, 20)}: ${ratio.toFixed(2)}`);
   }
   return poor;
 }"""
@@ -196,8 +196,9 @@ def test_send_as_a_master(panel):
     panel.wait_for_selector("#send-answer:has-text('11 08 00 00 A5 37')")
 
 
-def test_captures_are_offered(panel):
+def test_captures_are_offered(panel, device):
     """Each link gives a file."""
+    ask(device, frames.read(3, 0, 1), 7)
     for kind in ("pcapng", "fst", "txt"):
         with panel.expect_download() as got:
             panel.click(f"#downloads a:text-is('{kind}')")

@@ -363,7 +363,7 @@ def test_points_by_name(tmp_path):
         live.send(frames.adu(ADDRESS, frames.write_register(0, 300)).hex())
         assert live["limit"] == 30.0
         made.until(lambda: "written: limit = 30 °C" in made.said(), "no write by name in the log")
-        assert "(limit)" in made.said()
+        assert "(limit)" in made.said() and "(temperature 21.5 °C)" in made.said()
         for name, value, text in (("temperature", "hot", "no i16"), ("limit", 1, "master"), ("nix", 1, "no point")):
             with pytest.raises(LiveError, match=text):
                 live[name] = value
@@ -455,7 +455,8 @@ def test_ten_panels_script_and_log_cost_no_time_and_no_memory(device, record_pro
     status = device.client.status()["stats"]
     median, most = statistics.median(late), sorted(late)[int(len(late) * 0.99)]
     text = f"ten panels: answers {median:.2f} ms late (median; 99 % {most:.2f}; alone {alone:.2f}), "
-    text += f"{2 * frames_count} frames, server {before[0]:.0f} to {after[0]:.0f} MB, bridge {before[1]:.1f} to {after[1]:.1f} MB"
+    text += f"{2 * frames_count} frames, server {before[0]:.0f} to {after[0]:.0f} MB, "
+    text += f"bridge {before[1]:.1f} to {after[1]:.1f} MB"
     record_property("figures", [text])
     assert median < 2, text
     assert found and min(found[0]) > 10, found
