@@ -52,6 +52,7 @@ class Device:
 
     def __init__(self, link: Any, facts: dict[str, Any]) -> None:
         self.link, self.facts = link, facts
+        self.told = link.events()  # from the first one on
         self.hello = link.hello
         self.slaves = facts.get("slaves") or [facts["address"]]
         self.tables = {name: tuple(facts["tables"][name]) for name in SPACES if name in facts["tables"]}
@@ -80,7 +81,7 @@ class Device:
 
     async def listen(self) -> None:
         """Events of the bridge, until it is gone."""
-        async for event in self.link.events():
+        async for event in self.told:
             try:
                 if said := self.frames.take(event):
                     self.tell(said)

@@ -2,7 +2,7 @@
 # Copyright (c) 2026 the project contributors
 """The user's script: a process of its own, called with time and registers.
 
-It is ended when it hangs, and started again when its file changes.
+It is ended when it hangs, and started again when its file has changed.
 """
 
 from __future__ import annotations
@@ -50,11 +50,11 @@ class Script:
         self.writes.append((table, first, values))
 
     async def run(self) -> None:
-        """For ever: start, call, and after an error wait for another version of the file."""
+        """For ever: start, call, and start anew with another version of the file."""
         while True:
             stamp = self.stamp()
             try:
-                await self.play()
+                await self.play(stamp)
             except (Refused, Hangs) as error:
                 self.error = str(error)
                 self.tell({"event": "script", "text": f"{self.path}: {error}", "error": True})
@@ -72,8 +72,8 @@ class Script:
             return found.st_mtime_ns, found.st_size
         return 0, 0
 
-    async def play(self) -> None:
-        """One life of the script."""
+    async def play(self, stamp: tuple[int, int]) -> None:
+        """One life of the script, until its file is no longer that of `stamp`."""
         self.process = await asyncio.create_subprocess_exec(
             sys.executable,
             str(RUNNER),
@@ -85,8 +85,12 @@ class Script:
         )
         interval = (await self.message("the file"))["interval"]
         self.writes.clear()
-        due = time.monotonic()
+        due = looked = time.monotonic()
         while True:
+            if time.monotonic() > looked + LOOK_AGAIN_S:
+                looked = time.monotonic()
+                if self.stamp() != stamp:
+                    return
             while self.writes:
                 table, first, values = self.writes.popleft()
                 await self.call("written()", {"call": "written", "table": table, "first": first, "values": values})

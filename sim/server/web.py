@@ -50,8 +50,13 @@ def answer(found: Any, status: int = 200) -> web.Response:
 
 
 def refusal(text: str, status: int) -> web.Response:
-    """What is wrong, as JSON."""
-    return answer({"error": text}, status)
+    """What is wrong, as JSON of one line."""
+    return answer({"error": one_line(text)}, status)
+
+
+def one_line(text: str) -> str:
+    """Without line breaks, whatever the caller has sent."""
+    return " ".join(text.split())[:500]
 
 
 class Busy(asyncio.Protocol):
@@ -242,7 +247,7 @@ class Server:
             result = await self.device.call(given.pop("op", None), given)
             client.put(json.dumps({"id": number, "result": result}))
         except (Refused, ValueError, RecursionError) as error:
-            client.put(json.dumps({"id": number, "error": str(error)[:500]}))
+            client.put(json.dumps({"id": number, "error": one_line(str(error))}))
 
     def broadcast(self, event: dict[str, Any]) -> None:
         """An event to all WebSockets."""
