@@ -351,9 +351,9 @@ class Device {
       if (logging()) open_log(answer_);
       return;
     }
+    close_answer();
     if (faulty_answer_) begin_reply();
     else deliver_held();
-    close_answer();
     faulty_answer_ = echo_answer_ = false;
   }
 
@@ -382,11 +382,16 @@ class Device {
       if (fault.kind != "echo") apply(fault, format_, frame);
     reply_injected_ = frame.injected;
     reply_bytes_.clear();
+    reply_faults_.clear();
     reply_to_ = requests_;
     reply_owner_ = playing_;
     reply_at_ = cycle_ + uint64_t(frame.late_ms * 1e-3 * clock_hz_);
     std::vector<Piece> other;
-    if (!frame.lost) reply_.append(pieces_of(frame, format_, dice_, other));
+    client_receiver_ = Receiver(format_, bit_);
+    if (!frame.lost) {
+      reply_.append(pieces_of(frame, format_, dice_, other));
+      reply_.append({{double(format_.length()), true}});  // what the receiver took for a character ends
+    }
     reply_talker_.append(other);
     if (!reply_.busy()) end_reply();
   }
@@ -399,6 +404,7 @@ class Device {
     if (reply_talker_.busy()) level &= reply_talker_.clock();
     Received got;
     if (client_receiver_.clock(level, cycle_, got)) {
+      reply_faults_ += fault_of(got, reply_bytes_.size(), reply_faults_);
       reply_bytes_.push_back(got.data);
       deliver(got.data, reply_owner_);
     }
@@ -413,7 +419,8 @@ class Device {
   void end_reply() {
     deliver_held();
     control_.event(Json().add("event", "delivered").add("to", reply_to_).add("direction", "answer")
-                       .add("bytes", hex(reply_bytes_)).raw("injected", Json::texts(reply_injected_)));
+                       .add("bytes", hex(reply_bytes_)).raw("faults", "[" + reply_faults_ + "]")
+                       .raw("injected", Json::texts(reply_injected_)));
   }
 
   // A byte for whoever has asked.
@@ -522,6 +529,13 @@ class Device {
     frame.edges.push_back(uint64_t(pins));
   }
 
+  // [index,"what is wrong"] for a list that is empty or not; nothing for a good character.
+  static std::string fault_of(const Received &got, size_t index, const std::string &before) {
+    if (!got.parity_error && !got.framing_error) return "";
+    return (before.empty() ? "[" : ",[") + std::to_string(index) + "," +
+           (got.framing_error ? "\"framing\"]" : "\"parity\"]");
+  }
+
   // What a UART makes of the line that the slaves hear.
   void hear_line(bool rxd) {
     if (driven_) return;
@@ -529,9 +543,7 @@ class Device {
     if (!line_receiver_.clock(rxd, cycle_, got)) return;
     if (echo_request_) deliver(got.data, playing_);
     if (!request_.open) return;
-    if (got.parity_error || got.framing_error)
-      request_.faults += (request_.faults.empty() ? "[" : ",[") + std::to_string(request_.bytes.size()) + "," +
-                         (got.framing_error ? "\"framing\"]" : "\"parity\"]");
+    request_.faults += fault_of(got, request_.bytes.size(), request_.faults);
     request_.bytes.push_back(got.data);
     request_.starts.push_back(got.start - request_.begin);
   }
@@ -903,6 +915,7 @@ class Device {
   bool collecting_ = false, faulty_answer_ = false, echo_answer_ = false, echo_request_ = false;
   std::vector<uint8_t> answer_bytes_, reply_bytes_;
   std::vector<std::string> pending_injected_, reply_injected_;
+  std::string reply_faults_;
   uint64_t reply_at_ = 0, reply_to_ = 0;
   Owner reply_owner_ = 0;
 

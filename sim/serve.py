@@ -69,9 +69,11 @@ DEFAULTS = {
     "TCP": "",
     "RTU_TCP": "",
     "PARAMETERS": "",
+    "CONTROL_FD": "",
     "GIVEN": "",
     "DIE_WITH_PARENT": "",
 }
+NOT_FOR_PEOPLE = ("CONTROL_FD", "GIVEN", "DIE_WITH_PARENT")
 # What only the control server knows; it starts if one of them is given, or WEB.
 SERVER_VARIABLES = variables.NAMES
 # What people write instead
@@ -272,7 +274,7 @@ def named_variables(given):
 
 def check_name(name):
     """Refuse the name of a variable that is nearly one of ours."""
-    known = [n for n in (*DEFAULTS, *SERVER_VARIABLES) if n not in ("GIVEN", "DIE_WITH_PARENT")]
+    known = [n for n in (*DEFAULTS, *SERVER_VARIABLES) if n not in NOT_FOR_PEOPLE]
     if name in known:
         return
     near = MISTAKEN.get(name.upper()) or next(iter(difflib.get_close_matches(name.upper(), known, 1, 0.75)), None)
@@ -379,7 +381,7 @@ def of_map(named):
         parameters = {"CLK_HZ": line.clock_hz()}
         if not made.run_time:
             if len(line.slaves) > 1:
-                raise BadVariable("SLAVES: the address is fixed in the map; with run_time in its line there can be several")
+                raise BadVariable("SLAVES: the map fixes the address; with run_time in its line there can be several")
             parameters |= {"ADDRESS": line.slaves[0], "BAUD": line.baud, "FORMAT": line.format}
         bridge = compiled(made.top, parameters, made.files, made.folders)
     options = line.options()
@@ -426,7 +428,9 @@ def start(given):
         arguments += ["--trace", values["TRACE"]]
     if values["DIE_WITH_PARENT"]:
         arguments += ["--die-with-parent"]
-    if sockets or served:
+    if values["CONTROL_FD"]:  # the caller is the control server
+        arguments += ["--control-fd", values["CONTROL_FD"]]
+    elif sockets or served:
         facts = made.facts | {"link": values["PORT"] or link, "device": values["DEVICE"]}
         arguments += ["--control-fd", str(ways_in.start(sockets, served, descriptor("facts", json.dumps(facts))))]
     # Held back until the bridge listens for them, so that none is lost on the way.
