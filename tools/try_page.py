@@ -57,16 +57,26 @@ def sources() -> list[str]:
     return [*common.rtl_files(), *(f"{common.BENCHES}/{name}" for name in HARNESS)]
 
 
-def digest() -> str:
-    """A name for the contents of everything that goes into the page."""
-    out = hashlib.sha256()
-    pages = [f"sim/panel/{name}" for name in (*SCRIPTS, "core.cpp", "panel.css", "panel.html")]
-    flat = [f"{common.BENCHES}/{name}" for name in ("flat_ports.vh", "flat_inst.vh")]
-    tools = ["tools/try_page.py", "tools/requirements/try.txt", "tools/requirements/yosys.txt"]
-    for name in [*sources(), *common.include_files(), *flat, *pages, *tools]:
+def _digest(names: list[str], *more: str) -> str:
+    """A name for the contents of files, relative to the root."""
+    out = hashlib.sha256("\n".join(more).encode())
+    for name in names:
         out.update(f"{name}\n".encode())
         out.update((ROOT / name).read_bytes())
     return out.hexdigest()[:16]
+
+
+def core_sources() -> list[str]:
+    """Everything that goes into the core, relative to the root."""
+    flat = [f"{common.BENCHES}/{name}" for name in ("flat_ports.vh", "flat_inst.vh")]
+    tools = ["sim/panel/core.cpp", "tools/requirements/try.txt", "tools/requirements/yosys.txt"]
+    return [*sources(), *common.include_files(), *flat, *tools]
+
+
+def digest() -> str:
+    """A name for the contents of everything that goes into the page."""
+    pages = [f"sim/panel/{name}" for name in (*SCRIPTS, "panel.css", "panel.html")]
+    return _digest([*core_sources(), *pages, "tools/try_page.py"])
 
 
 def stale(target: Path = TARGET) -> str:
@@ -79,13 +89,18 @@ def stale(target: Path = TARGET) -> str:
 
 
 def wasm(folder: Path = BUILD, parameters: Mapping[str, object] = PARAMETERS) -> Path:
-    """Compile the core to WebAssembly in `folder` (relative to the root); ToolError if a tool fails."""
+    """The core as WebAssembly in `folder` (relative to the root), compiled if it is old; ToolError if a tool fails."""
     import pyosys
 
+    out, stamp = folder / "core.wasm", ROOT / folder / "made_from"
+    made_from = _digest(core_sources(), *COMPILE, *(f"{name}={value}" for name, value in parameters.items()))
+    if (ROOT / out).exists() and stamp.exists() and stamp.read_text(encoding="ascii") == made_from:
+        return ROOT / out
     (ROOT / folder).mkdir(parents=True, exist_ok=True)
+    stamp.unlink(missing_ok=True)
     includes = " ".join([*common.include_options(), f"-I{common.BENCHES}"])
     settings = " ".join(f"-set {name} {value}" for name, value in parameters.items())
-    model, out = folder / "model.cc", folder / "core.wasm"
+    model = folder / "model.cc"
     script = "; ".join(
         (
             f"read_verilog {includes} {' '.join(sources())}",
@@ -100,6 +115,7 @@ def wasm(folder: Path = BUILD, parameters: Mapping[str, object] = PARAMETERS) ->
     runtime = Path(pyosys.__file__).parent / "share" / "include" / "backends" / "cxxrtl" / "runtime"
     command = ["python", "-m", "ziglang", "c++", *COMPILE, f"-I{runtime}", f'-DCORE_MODEL="{ROOT / model}"']
     common.run([*command, "sim/panel/core.cpp", "-o", str(out)], folder / "zig.log")
+    stamp.write_text(made_from, encoding="ascii")
     return ROOT / out
 
 

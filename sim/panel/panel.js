@@ -38,10 +38,15 @@ const Panel = (() => {
     $("trouble").hidden = !text;
   };
 
+  // On a line with several slaves: which one the tables, the state and the counters are of.
+  const ofSlave = ["read", "write", "state", "set", "status"];
+  const call = (op, given = {}) =>
+    backend.call(op, (device.slaves || []).length > 1 && ofSlave.includes(op) ? { ...given, slave: Number($("slave").value) } : given);
+
   // An operation; what it refuses is shown, and gives undefined.
   const ask = async (op, given) => {
     try {
-      const result = await backend.call(op, given);
+      const result = await call(op, given);
       if ($("trouble").dataset.op === op) trouble("");
       return result;
     } catch (error) {
@@ -139,7 +144,7 @@ const Panel = (() => {
     const [of, from, list] = [table, first, cells];
     let got;
     try {
-      got = of === "points" ? await backend.call("points") : await backend.call("read", { table: of, first: from, count: list.length });
+      got = of === "points" ? await call("points") : await call("read", { table: of, first: from, count: list.length });
     } catch {
       return;                                   // the connection tells of itself
     }
@@ -732,7 +737,7 @@ const Panel = (() => {
   };
   const hexText = (bytes) => bytes.map((b) => b.toString(16).toUpperCase().padStart(2, "0")).join(" ");
   $("preset").append(...PRESETS.map(([text], i) => element("option", { value: i, text })));
-  const preset = () => { $("hex").value = hexText(PRESETS[$("preset").value][1](device.address || 17)); };
+  const preset = () => { $("hex").value = hexText(PRESETS[$("preset").value][1](Number($("slave").value) || device.address || 17)); };
   $("preset").addEventListener("change", preset);
   const send = async () => {
     const text = $("hex").value.replace(/\s/g, "");
@@ -787,11 +792,16 @@ const Panel = (() => {
     device = got;
     $("title").textContent = device.name || "modbus_rtu_slave";
     document.title = `${device.address} · ${device.name || "modbus_rtu_slave"}`;
-    $("summary").textContent = `slave ${device.address} · ${device.baud} baud ${device.format}`;
+    const several = (device.slaves || []).length > 1;
+    $("summary").textContent = `${several ? "" : `slave ${device.address} · `}${device.baud} baud ${device.format}`;
+    $("slave-label").hidden = !several;
+    if (several && $("slave").options.length !== device.slaves.length)
+      $("slave").replaceChildren(...device.slaves.map((address) => element("option", { text: address })));
     const { send: sends, line, signals, capture } = device.features;
     $("send").hidden = !sends;
     $("line-form").hidden = !line;
     $("values").hidden = !signals;
+    document.body.classList.toggle("alone", line);          // the core in the page: it is the visitor who sends
     $("downloads").replaceChildren(...(capture ? ["pcapng", "fst", "txt"] : []).flatMap((kind, i) =>
       [i ? " " : "save as ", element("a", { href: `api/capture.${kind}`, download: "", text: kind })]));
     $("points").replaceChildren(...(device.points || []).map((point) => element("option", { value: point.name })));
@@ -816,6 +826,12 @@ const Panel = (() => {
       ticking = false;
     }
   };
+
+  $("slave").addEventListener("change", () => {
+    preset();
+    buildCells();
+    tick();
+  });
 
   const onEvent = (event) => {
     if (["frame", "silence", "delivered"].includes(event.event)) later(event);

@@ -372,7 +372,7 @@ const Wasm = (() => {
       return {};
     },
     device: (d) => ({
-      device: "standard", link: "", address: d.line.address, baud: d.line.baud, format: FORMATS[d.line.format],
+      name: "modbus_rtu_slave in this page", device: "standard", link: "", address: d.line.address, baud: d.line.baud, format: FORMATS[d.line.format],
       clock_hz: CLOCK_HZ, bit_time: d.bitTime, t15: d.t15, t35: d.t35, tables: TABLES, files: FILES, points: [],
       features: { send: true, line: true, signals: false, capture: false },
     }),
