@@ -23,8 +23,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
-import filelist  # noqa: E402
 import faults  # noqa: E402
+import filelist  # noqa: E402
 import map_device  # noqa: E402
 import models  # noqa: E402
 import ways_in  # noqa: E402

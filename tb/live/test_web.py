@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 import urllib.request
+from pathlib import Path
 
 import aiohttp
 import pytest
@@ -371,10 +372,17 @@ def test_points_by_name(tmp_path):
             live.write("inputs", 0, [1])
 
 
+def test_without_web_nothing_is_started(tmp_path):
+    """The device alone has no child, and listens nowhere."""
+    with Device(tmp_path, web=False, BAUD=BAUD) as made:
+        assert not Path(f"/proc/{made.process.pid}/task/{made.process.pid}/children").read_text().split()
+        opened = [os.readlink(one) for one in Path(f"/proc/{made.process.pid}/fd").iterdir()]
+        assert not [one for one in opened if one.startswith("socket:")], opened
+
+
 def test_log_without_web_needs_no_package(tmp_path):
     """LOG alone: the standard library does, and nothing listens."""
     with Device(tmp_path, web=False, LOG=1, BAUD=BAUD) as made:
-        made.variables["LOG"] = 1
         port = serial.Serial(str(made.link), BAUD, timeout=1)
         assert len(ask(port, frames.read(3, 0, 1), 7)) == 7
         port.close()
