@@ -209,7 +209,7 @@ class Server:
 
     async def events(self, request: web.Request) -> web.WebSocketResponse:
         """The WebSocket."""
-        socket_ = web.WebSocketResponse(heartbeat=20, max_msg_size=LARGEST_BODY)
+        socket_ = web.WebSocketResponse(heartbeat=20, max_msg_size=LARGEST_BODY, compress=False)
         if not socket_.can_prepare(request):
             raise Refused("this path is a WebSocket")
         await socket_.prepare(request)
