@@ -100,6 +100,14 @@ run_apt() {
   return 1
 }
 
+# Each package alone: a release may lack one (Ubuntu has Chromium as a snap only), and the others are still wanted.
+apt_each() {
+  for package in "$@"; do
+    $AS_ROOT env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 \
+      install -y --no-install-recommends "$package" >> "$log" 2>&1 || true
+  done
+}
+
 apt_set() {
   needed=$(lacking "$1" needed | sort -u | tr '\n' ' ')
   wanted=$(lacking "$1" wanted | sort -u | tr '\n' ' ')
@@ -115,7 +123,7 @@ apt_set() {
   if [ $can = yes ]; then
     say "installing by apt: $needed$wanted(takes a minute; log in $VENV/apt.log)"
     # shellcheck disable=SC2086  # lists of package names
-    run_apt $needed $wanted || { [ -n "$wanted" ] && [ -n "$needed" ] && run_apt $needed; }
+    run_apt $needed $wanted || { [ -n "$wanted" ] && { [ -z "$needed" ] || run_apt $needed; } && apt_each $wanted; }
   elif [ -n "$needed" ]; then
     die "missing packages, and no right to install them.  Run this as root, then make again:
 $by_hand"

@@ -3,7 +3,6 @@
 """A live device with its control interface, and the system's Chromium."""
 
 import contextlib
-import os
 import shutil
 import signal
 import socket
@@ -19,6 +18,7 @@ from live_client import Live
 ROOT = Path(__file__).resolve().parents[2]
 START_S = 300  # the first start of a map compiles it
 CHROMIUM = shutil.which("chromium")
+CHROMIUM_OPTIONS = ["--no-sandbox", "--disable-dev-shm-usage"]  # in containers too; it opens our own pages only
 needs_chromium = pytest.mark.skipif(not CHROMIUM, reason="chromium is not installed")
 
 
@@ -86,7 +86,7 @@ def browser():
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:
-        made = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"] if os.getuid() == 0 else [])
+        made = play.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_OPTIONS)
         yield made
         made.close()
 
