@@ -30,7 +30,7 @@ constexpr size_t LONGEST_FRAME = 256;
 constexpr size_t QUEUE_LIMIT = 512;       // a client that sends more than the line carries loses it
 constexpr size_t SENDS_LIMIT = 256;       // requests of the control server that wait
 constexpr int READS_AT_ONCE = 16;         // of 4 KB: what the kernel keeps for one terminal
-constexpr unsigned SETTLE_CLOCKS = 1024;  // a core at rest may still clear its counters
+constexpr unsigned SETTLE_CLOCKS = 256;   // a core at rest may still clear its counters
 constexpr unsigned JUDGE_CLOCKS = 8;      // the core may say a little late what it thinks of a frame
 constexpr int FREE_CLOCKS = 20000;        // that take no time, at most between two looks at clients
 constexpr double COLLECT_S = 3e-3;        // silence of a client that ends a frame which a fault wants whole
@@ -87,7 +87,7 @@ class Device {
   // Nothing moves and nothing is left to do.
   bool idle() const {
     return queue_.empty() && sends_.empty() && !sending_ && jobs_.empty() && held_.empty() && !wave_.busy() &&
-           !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + hold_ && at_rest();
+           !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + t35_ && at_rest();
   }
   bool full() const { return queue_.size() >= QUEUE_LIMIT; }
 

@@ -254,7 +254,8 @@ def test_dead_reader_never_stops_the_line(folder):
             with open(f"/proc/{running.process.pid}/status", encoding="ascii") as status:
                 return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))
 
-        for number in range(1, 1001):  # 6 MB of replies
+        running.call("write", 17, 3, 0, *[65535] * 2048)
+        for number in range(1, 1001):  # 12 MB of replies
             running.channel.sendall(f"{number} read 17 3 0 2048\n".encode())
         time.sleep(2)
         before = memory()

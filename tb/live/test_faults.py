@@ -146,7 +146,7 @@ BROKEN = {
     "none": b"",
     "echo": ANSWER,
 }
-MARKED = {"parity": [[1, "parity"]], "stop": [[1, "framing"]], "break": [[0, "framing"]]}
+MARKED = {"flip": [[3, "parity"]], "parity": [[1, "parity"]], "stop": [[1, "framing"]], "break": [[0, "framing"]]}
 
 
 @pytest.mark.parametrize("fault", BROKEN, ids=lambda v: v.replace(" ", "_"))
