@@ -53,6 +53,7 @@ class Frame:
     slave: int = 0
     to: int = 0  # of an answer: its request
     number: int = 0  # the bridge's: one for a request and its answers
+    late_ms: float = 0.0  # of an answer: how far the simulation lags behind the clock
     silence: dict[str, Any] | None = None
     delivered: dict[str, Any] | None = None
     answer: int = 0  # of a request: its answer
@@ -74,6 +75,7 @@ class Frame:
         }
         if self.direction == "answer":
             out["to"] = self.to
+            out["late_ms"] = self.late_ms
         for name in ("silence", "delivered"):
             if getattr(self, name):
                 out[name] = getattr(self, name)
@@ -150,6 +152,7 @@ class Frames:
             slave=event.get("slave", 0),
             to=asked.n if asked else 0,
             number=event["n"],
+            late_ms=round(event.get("late_ms", 0.0), 3),
         )
         if len(self.kept) == self.kept.maxlen:
             old = self.kept[0]
