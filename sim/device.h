@@ -100,8 +100,8 @@ class Device {
     for (const Character &character : characters) {
       last_byte_s_ = now;
       if (full()) break;
-      // A real line would have been silent before this byte: a frame of its own, even if the simulation lags.
-      const bool first = now > carried_s_ + double(t35_) * clock_s;
+      // A real line would have been silent for t1.5 before this byte: a frame of its own, even if the simulation lags.
+      const bool first = now > carried_s_ + double(t15_) * clock_s;
       carried_s_ = std::max(carried_s_, now) + character_ * clock_s;
       queue_.push_back({character.data, character.bad, first, client_});
       ++taken_;
@@ -556,7 +556,7 @@ class Device {
   void write_log(const Logged &frame, const char *direction, const Slave *slave) {
     Json json;
     json.add("event", "frame").add("n", frame.number).add("direction", direction).add("time", frame.time)
-        .add("cycle", frame.begin).add("end", cycle_).add("bytes", hex(frame.bytes))
+        .add("cycle", frame.begin).add("end", slave ? cycle_ : last_activity_).add("bytes", hex(frame.bytes))
         .raw("starts", Json::list(frame.starts)).raw("faults", "[" + frame.faults + "]")
         .raw("injected", Json::texts(frame.injected)).add("source", of_server(playing_) ? "send" : "client");
     if (slave) json.add("slave", slave->address()).add("to", frame.number).add("late_ms", 1000 * lag_s(wall_s()));

@@ -79,7 +79,7 @@ SERVER_VARIABLES = ()
 MISTAKEN = {
     "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE": "SLAVES", "SLAVE_ID": "ADDRESS",
     "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP", "STOP_BITS": "STOP",
-    "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT", "HTTP": "WEB", "MODBUS_TCP": "TCP",
+    "INITIAL": "INIT", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT", "HTTP": "WEB", "MODBUS_TCP": "TCP",
 }  # fmt: skip
 MOST_SLAVES = 32  # on one line without a repeater, MODBUS over Serial Line V1.02 3.4.1
 HOLD_MS = range(10_001)

@@ -279,15 +279,12 @@ def test_soak_by_two_masters_in_turn(folder, record_property):
                     errors.append(asked)
                 asked += 1
             stack.close()
+            read, wanted = request(frames.read(FC.READ_HOLDINGS, (asked - 1) & 1023, 1)), request(b"\x03\x02\0\x18")
             for _ in range(5):
                 with Port(running.link) as other:
-                    read = request(frames.read(FC.READ_HOLDINGS, (asked - 1) & 1023, 1))
-                    wanted = request(bytes([3, 2, 0, 24]))
                     if other.ask(read, wanted) != wanted:
                         errors.append(-asked)
                 asked += 1
             port = stack.enter_context(Port(running.link))
     record_property("figures", [f"live: {len(errors)} errors in a soak of {asked} requests by two masters"])
     assert not errors, f"{len(errors)} of {asked}: {errors[:20]}"
-
-
