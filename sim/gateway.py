@@ -103,7 +103,11 @@ class Gateway:
                     break
                 waiting += more
                 wanted = request_length(waiting)
-            whole = wanted is not None and len(waiting) >= wanted and crc(waiting[: wanted - 2]) == waiting[wanted - 2 : wanted]
+            whole = (
+                wanted is not None
+                and len(waiting) >= wanted
+                and crc(waiting[: wanted - 2]) == waiting[wanted - 2 : wanted]
+            )
             frame = waiting[:wanted] if whole else waiting[: 2 * LONGEST_FRAME]
             waiting = waiting[len(frame) :]
             writer.write(await self.ask(frame))
@@ -144,7 +148,9 @@ async def run(arguments: argparse.Namespace) -> None:
     """Serve until the bridge ends."""
     link = await BridgeLink.open(arguments.control_fd)
     await link.call("pins", "off")  # nobody looks at them
-    listeners = [socket.socket(fileno=fd) if fd is not None else None for fd in (arguments.tcp_fd, arguments.rtu_tcp_fd)]
+    listeners = [
+        socket.socket(fileno=fd) if fd is not None else None for fd in (arguments.tcp_fd, arguments.rtu_tcp_fd)
+    ]
     gateway = await start(link, *listeners)
     await link.closed()
     for task in list(gateway.connections):

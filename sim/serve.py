@@ -23,8 +23,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
-import filelist  # noqa: E402
 import faults  # noqa: E402
+import filelist  # noqa: E402
 import map_device  # noqa: E402
 import models  # noqa: E402
 import ways_in  # noqa: E402
@@ -77,9 +77,10 @@ NOT_FOR_PEOPLE = ("CONTROL_FD", "GIVEN", "DIE_WITH_PARENT")
 SERVER_VARIABLES = ()
 # What people write instead
 MISTAKEN = {
-    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE": "SLAVES", "SLAVE_ID": "ADDRESS",
-    "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP", "STOP_BITS": "STOP",
-    "INITIAL": "INIT", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT", "HTTP": "WEB", "MODBUS_TCP": "TCP",
+    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE_ID": "ADDRESS",
+    "SLAVE": "SLAVES", "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP",
+    "STOP_BITS": "STOP", "INITIAL": "INIT", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT",
+    "HTTP": "WEB", "MODBUS_TCP": "TCP",
 }  # fmt: skip
 MOST_SLAVES = 32  # on one line without a repeater, MODBUS over Serial Line V1.02 3.4.1
 HOLD_MS = range(10_001)

@@ -22,8 +22,8 @@ NOBODY = 65534
 def run(arguments, environment, prefix=()):
     """(exit status, lines of standard error) of serve.py that must not start."""
     done = subprocess.run(
-        [*prefix, *TOOL, *arguments], cwd=ROOT, env=os.environ | environment, capture_output=True, text=True, timeout=240,
-        check=False,
+        [*prefix, *TOOL, *arguments], cwd=ROOT, env=os.environ | environment, capture_output=True, text=True,
+        timeout=240, check=False,
     )  # fmt: skip
     assert "ready" not in done.stdout
     return done.returncode, done.stderr.splitlines()
@@ -41,7 +41,7 @@ def test_full_disk_is_said(tmp_path):
     """Not that the device does not compile, but why."""
     place = tmp_path / "small"
     place.mkdir()
-    inside = f"mount -t tmpfs -o size=200k small {place} && exec \"$@\""
+    inside = f'mount -t tmpfs -o size=200k small {place} && exec "$@"'
     prefix = [*separate(), "sh", "-c", inside, "sh"]
     if subprocess.run([*prefix, "true"], capture_output=True, check=False).returncode:
         pytest.skip("no mount")
@@ -56,12 +56,17 @@ def test_compiler_cache_without_a_home(tmp_path):
     if not ccache:
         pytest.skip("ccache is not installed")
     (tmp_path / "g++").symlink_to(ccache)
-    environment = {"PATH": f"{tmp_path}:{os.environ['PATH']}", "HOME": "/proc/none", "BENCH_BUILD": str(tmp_path / "build")}
+    environment = {
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+        "HOME": "/proc/none",
+        "BENCH_BUILD": str(tmp_path / "build"),
+    }
     keep = {k: v for k, v in os.environ.items() if not k.startswith(("CCACHE", "XDG"))}
     program = f"""
-import sys; sys.path[:0] = [{str(ROOT / 'tools')!r}]
+import sys; sys.path[:0] = [{str(ROOT / "tools")!r}]
 import models, pathlib
-print(models._run(["g++", "-c", "-x", "c++", "/dev/null", "-o", {str(tmp_path / 'x.o')!r}], pathlib.Path({str(tmp_path)!r})))
+place = pathlib.Path({str(tmp_path)!r})
+print(models._run(["g++", "-c", "-x", "c++", "/dev/null", "-o", str(place / "x.o")], place))
 """
     done = subprocess.run(
         [sys.executable, "-c", program], env=keep | environment, capture_output=True, text=True, check=False
@@ -94,8 +99,8 @@ def test_built_checkout_that_may_only_be_read(tmp_path):
         process.wait(10)
         process.stdout.close()
     process = subprocess.run(
-        [*prefix, *command(LINK=place, MAP="coils=0+77")[0]], env=environment, capture_output=True, text=True, check=False,
-        timeout=60,
+        [*prefix, *command(LINK=place, MAP="coils=0+77")[0]], env=environment, capture_output=True, text=True,
+        check=False, timeout=60,
     )  # fmt: skip
     lines = [line for line in process.stderr.splitlines() if not line.startswith("make")]
     assert process.returncode and "Read-only file system" in lines[-1] and len(lines) == 1, lines
@@ -118,7 +123,8 @@ def test_starts_at_once_say_nothing_but_ready(tmp_path):
 
 
 @pytest.mark.parametrize("objects,conformity,wanted", [
-    ({"4": "Meter"}, None, 130), ({"0x80": "serial"}, None, 131), ({"4": "Meter", "128": "s"}, 2, 3), ({"3": "x"}, 1, 2),
+    ({"4": "Meter"}, None, 130), ({"0x80": "serial"}, None, 131), ({"4": "Meter", "128": "s"}, 2, 3),
+    ({"3": "x"}, 1, 2),
     ({"0": "Acme"}, None, None), ({"4": "Meter"}, 130, None), ({"128": "s"}, 131, None), ({"4": ""}, None, None),
 ])  # fmt: skip
 def test_objects_that_no_master_sees_are_told(tmp_path, monkeypatch, objects, conformity, wanted):
