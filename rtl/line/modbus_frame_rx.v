@@ -16,6 +16,9 @@
 // While sending_i is high this module stays in its work, so nothing is ever received while we drive the line: send_i
 // is passed on as send_stb_o during the work alone, and quiet_i and restart_i wait for nothing and are ignored then.
 //
+// With ascii_i high modbus_ascii tells where a frame begins and ends.  A start within a frame then begins it anew, the
+// first character counts with its errors although it is over when the frame begins, and t15_i alone is a gap.
+//
 // The other error strobes rise with the verdict, all that apply; CRC only when nothing else explains it.
 
 `default_nettype none
@@ -25,6 +28,7 @@ module modbus_frame_rx (
   input  wire       rst_i,
   input  wire       gap_count_only_i,
   input  wire       strict_i,        // level : strict turnaround
+  input  wire       ascii_i,         // level : ASCII mode
   input  wire       drop_late_i,     // level : no answer once the line was heard
   input  wire [7:0] address_i,
   input  wire       broadcast_en_i,
@@ -34,6 +38,8 @@ module modbus_frame_rx (
   input  wire       char_stb_i,
   input  wire       parity_error_i,
   input  wire       framing_error_i,
+  input  wire       half_i,          // level : with char_stb_i, it belongs to a byte
+  input  wire       whole_i,         // level : with char_stb_i, it completes the byte
   input  wire       crc_zero_i,
   input  wire       t15_i,
   input  wire       t35_i,
@@ -126,8 +132,8 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) begin
     state_q <= state_d;
-    open_q  <= (((state_q == ST_IDLE) & start_stb_i) | (foreign & heard)) & ~rst_i;
-    store_q <= reception & char_stb_i & ~full & ~rst_i;
+    open_q  <= ((((state_q == ST_IDLE) | (reception & ascii_i)) & start_stb_i) | (foreign & heard)) & ~rst_i;
+    store_q <= reception & char_stb_i & whole_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
     look_q   <= good & ~rst_i;
     check_q  <= look_q & ~rst_i;
@@ -135,16 +141,16 @@ module modbus_frame_rx (
     for_us_q  <= for_us;
     for_all_q <= for_all;
     if (open_q) begin
-      parity_q  <= 1'b0;
-      framing_q <= 1'b0;
+      parity_q  <= ascii_i & parity_error_i;
+      framing_q <= ascii_i & framing_error_i;
       long_q    <= 1'b0;
       gap_q     <= 1'b0;
     end else if (reception) begin
-      if (start_stb_i && t15_i) gap_q <= 1'b1;
+      if ((start_stb_i || ascii_i) && t15_i) gap_q <= 1'b1;
       if (char_stb_i) begin
         parity_q  <= parity_q  | parity_error_i;
         framing_q <= framing_q | framing_error_i;
-        long_q    <= long_q    | (full & ~spoiled);     // what follows a gap is not looked at
+        long_q    <= long_q    | (full & half_i & ~spoiled);     // what follows a gap is not looked at
       end
     end
     if (rst_i || (restart_i && !sending_i && !send_stb_o)) state_q <= ST_INITIAL;

@@ -23,7 +23,8 @@ module modbus_line_timer #(
   parameter integer MAX_BIT_TIME  = 65535,  // no bit_time_i is above it
   parameter integer BIT_FRACTIONS = 0,      // 1: fraction_i counts
   parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
-  parameter integer T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
+  parameter integer T35_CLOCKS = 87500,     // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
+  parameter integer TIMEOUT_CLOCKS = 0      // period of the time-out of ASCII mode in clocks, 0: there is none
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
@@ -37,6 +38,8 @@ module modbus_line_timer #(
   input  wire        restart_i,      // strobe: silence counts anew
   output wire        t15_o,          // level : silent for t1.5; still valid in the first clock of receiving_i
   output wire        t35_o,          // level : silent for t3.5
+  input  wire [3:0]  extra_i,        // further periods of TIMEOUT_CLOCKS
+  output wire        over_o,         // level : silent for 1 + extra_i periods
 
   // Waits
   input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
@@ -47,7 +50,8 @@ module modbus_line_timer #(
 );
 
   generate
-    if (T15_CLOCKS < 0 || T35_CLOCKS < T15_CLOCKS || T35_CLOCKS >= (1 << 28)) begin : gen_illegal
+    if (T15_CLOCKS < 0 || T35_CLOCKS < T15_CLOCKS || T35_CLOCKS >= (1 << 28) || TIMEOUT_CLOCKS < 0 ||
+        (TIMEOUT_CLOCKS != 0 && TIMEOUT_CLOCKS < T35_CLOCKS)) begin : gen_illegal
       ERROR_modbus_line_timer_floor_of_t35_below_floor_of_t15 illegal_parameter ();
     end
   endgenerate
@@ -97,33 +101,61 @@ module modbus_line_timer #(
   wire t15_floor, t35_floor;
 
   generate
-    if (T35_CLOCKS == 0) begin : gen_no_floor
+    if (T35_CLOCKS == 0 && TIMEOUT_CLOCKS == 0) begin : gen_no_floor
       wire unused_rest = rest;
       assign t15_floor = 1'b1;
       assign t35_floor = 1'b1;
     end else begin : gen_floor
-      localparam W = $clog2(T35_CLOCKS + 1);
+      localparam integer LONGEST = (TIMEOUT_CLOCKS > T35_CLOCKS) ? TIMEOUT_CLOCKS : T35_CLOCKS;
+      localparam W = $clog2(LONGEST + 1);
       reg [W-1:0] clocks_q = {W{1'b0}};
       reg         t15_q = 1'b0, t35_q = 1'b0;
+      wire        period;              // the time-out's period ends
       always @(posedge clk_i) begin
         if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
         if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
         clocks_q <= clocks_q + 1'b1;
+        if (busy || rest || period) clocks_q <= {W{1'b0}};
         if (busy || rest) begin
-          clocks_q <= {W{1'b0}};
-          t15_q    <= 1'b0;
-          t35_q    <= 1'b0;
+          t15_q <= 1'b0;
+          t35_q <= 1'b0;
         end
+      end
+      if (TIMEOUT_CLOCKS != 0) begin : gen_timeout
+        // Counting up from 0, the first number with all the bits of the period is the period itself.
+        reg [3:0] periods_q = 4'd0;
+        reg       over_q = 1'b0;
+        assign period = &(clocks_q | ~TIMEOUT_CLOCKS[W-1:0]);
+        always @(posedge clk_i) begin
+          if (period) begin
+            periods_q <= periods_q + 4'd1;
+            if (periods_q == extra_i) over_q <= 1'b1;
+          end
+          if (busy || rest) begin
+            periods_q <= 4'd0;
+            over_q    <= 1'b0;
+          end
+        end
+        assign over_o = over_q;
+      end else begin : gen_no_timeout
+        assign period = 1'b0;
       end
 `ifdef FORMAL
       always @(posedge clk_i) if (f_past) begin
-        assert (clocks_q == f_clocks[W-1:0] || f_clocks == 16'hFFFF);
+        if (TIMEOUT_CLOCKS == 0) assert (clocks_q == f_clocks[W-1:0] || f_clocks == 16'hFFFF);
         assert (t15_q == (f_clocks > T15_CLOCKS));
         assert (t35_q == (f_clocks > T35_CLOCKS));
       end
 `endif
       assign t15_floor = t15_q;
       assign t35_floor = t35_q;
+    end
+  endgenerate
+
+  generate
+    if (TIMEOUT_CLOCKS == 0) begin : gen_no_over
+      wire unused_extra = &{1'b0, extra_i};
+      assign over_o = 1'b0;
     end
   endgenerate
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_uart - characters from the line and onto it: 8E1, 8O1, 8N2 or 8N1.
+// modbus_uart - characters from the line and onto it: 8E1, 8O1, 8N2 or 8N1, for ASCII mode the same with 7 bits.
 //
 // The line is half duplex: with enable_i low, while the driver is on, the receiver is deaf.  So receiver and
 // transmitter share the bit clock, the shift register, the bit number and the parity.
@@ -38,6 +38,7 @@ module modbus_uart #(
   input  wire [15:0] bit_time_i,
   input  wire [3:0]  fraction_i,      // sixteenths of a clock beyond bit_time_i
   input  wire [1:0]  format_i,
+  input  wire        seven_i,         // level : characters have 7 bits; data_o[7] is 0 and data_i[7] not sent
 
   // Line
   input  wire        enable_i,        // level : 0 makes the receiver deaf
@@ -75,7 +76,7 @@ module modbus_uart #(
   wire ten_bits   = (format_i == `MB_FORMAT_8N1);
 
   // Shared.  The number is that of the received bit on the line, or of the next bit to send: 0 start, 1..8 data, then
-  // parity and stop; 10 or 11 is behind the last.
+  // parity and stop; 10 or 11 is behind the last.  With 7 bits it begins one later: 1 start, 2..8 data.
   reg [3:0] number_q = 4'd0;
   reg [7:0] data_q = 8'h00;
   reg       parity_q = 1'b0;
@@ -194,8 +195,9 @@ module modbus_uart #(
     is_stop_q   <= number_q[3] & (number_q[1] | (number_q[0] & ~has_parity));
     is_behind_q <= number_q[3] & number_q[1] & (number_q[0] | ten_bits);
     // A character behind another is taken when a bit ends.
-    if (bit_stb || begin_char || begin_stb_o) number_q <= begins ? {3'd0, take} : number_q + 4'd1;
-    if (take || tx_bit || (take_bit && data_bit)) data_q <= take ? data_i : {line_q, data_q[7:1]};
+    if (bit_stb || begin_char || begin_stb_o) number_q <= begins ? {2'd0, take & seven_i, take ^ seven_i} : number_q + 4'd1;
+    if (take || tx_bit || (take_bit && data_bit)) 
+      data_q <= take ? data_i : {line_q & ~seven_i, seven_i ? line_q : data_q[7], data_q[6:1]};
     if (begins || step || (take_bit && !is_stop_q))
       parity_q <= begins ? is_odd : parity_q ^ (sends_q ? serial : line_q);
   end

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright (c) 2026 the project contributors
+//
+// modbus_ascii - ASCII mode: between the characters of the line and the bytes and silences that RTU has.
+//
+// A frame is `:`, two hexadecimal characters (0-9, A-F) for each byte, the LRC last, then CR and the delimiter, which is
+// LF or what 08/0003 has set (MODBUS over Serial Line V1.02, clause 2.5.2).  modbus_frame_rx gets what RTU would give:
+//
+//   `:`                          start_stb_o: a frame begins.  A `:` inside a frame first ends that as a bad one, unless
+//                                nothing has come since its own `:`
+//   a character for half a byte  half_o with the character's strobe, whole_o too with the second: byte_o is complete
+//   the character behind CR      t35_o: the frame ends; a bad one if the character is not the delimiter
+//   silence above the time-out   t15_o, then t35_o: the frame ends as a bad one
+//
+// up_stb_o makes up for the second check byte that RTU has.  check_ok_o is the verdict on the LRC and the characters.
+// Characters outside a frame are ignored, so t35_o is high there.
+//
+// Sending, modbus_frame_tx offers bytes and then two check bytes.  `:` goes before the first byte, each byte goes as two
+// characters, the first check byte as the LRC and the second as CR LF.
+//
+// With ascii_i low everything passes unchanged.  The line is half duplex, so both ways share the LRC and the half.
+
+`default_nettype none
+
+module modbus_ascii (
+  input  wire       clk_i,
+  input  wire       rst_i,
+  input  wire       ascii_i,         // level : ASCII mode, 0: RTU
+  input  wire       seven_i,         // level : characters have 7 bits
+
+  // The delimiter
+  input  wire       delimiter_stb_i, // strobe: it is frame_byte_i from now on
+  input  wire       restart_i,       // strobe: it is LF again
+
+  // Received characters
+  input  wire       receiving_i,     // level : a frame is being received
+  input  wire       start_stb_i,     // strobe: a start bit
+  input  wire       char_stb_i,      // strobe: a character is complete
+  input  wire [7:0] data_i,          // level : it
+  input  wire       crc_zero_i,
+  input  wire       t15_i,
+  input  wire       t35_i,
+  input  wire       over_i,          // level : silent for longer than the time-out
+
+  // To the frame receiver
+  output wire       start_stb_o,     // strobe: a character that begins or continues a frame
+  output wire       half_o,          // level : with char_stb_i, it belongs to a byte
+  output wire       whole_o,         // level : with char_stb_i, it completes the byte
+  output wire [7:0] byte_o,          // level : the byte, until the next character
+  output wire       up_stb_o,        // strobe: one byte more than there is
+  output wire       check_ok_o,      // level : the check field is right
+  output wire       t15_o,
+  output wire       t35_o,
+
+  // Bytes to send
+  input  wire       valid_i,
+  input  wire       check_i,         // level : a check byte
+  input  wire       last_i,          // level : the second check byte
+  input  wire [7:0] frame_byte_i,
+  output wire       ready_o,
+
+  // To the transmitter
+  output wire [7:0] data_o,
+  output wire       check_o,         // level : send check bits of the CRC
+  input  wire       ready_i
+);
+
+  localparam [7:0] COLON = 8'h3A, CR = 8'h0D, LF = 8'h0A;
+
+  reg [7:0] delimiter_q = LF;
+  reg [3:0] high_q;                  // high half of the byte that is received
+  reg [7:0] lrc_q;                   // 0 minus the bytes that have passed
+  reg       half_q = 1'b0;           // the first half of a byte has passed
+  reg       began_q = 1'b0;          // `:` was sent
+  reg       any_q = 1'b0;            // something came since `:`
+  reg       cr_q = 1'b0;             // CR came
+  reg       wrong_q = 1'b0;          // the frame has a character it must not have, or too few
+  reg       close_q = 1'b0;          // the frame ends
+  reg       colon_q = 1'b0;          // `:` came
+  reg       start_q = 1'b0;          // a clock later: the frame before it has ended
+  reg       up_q = 1'b0;
+
+  // ------------------------------------------------------------------ characters
+
+  wire       is_colon = (data_i == COLON);
+  wire       is_cr    = (data_i == CR);
+  wire       ends     = (data_i[6:0] == delimiter_q[6:0]) & (seven_i | (data_i[7] == delimiter_q[7]));
+  wire       letter   = data_i[6] & ascii_i;
+  wire       digit    = (data_i[7:4] == 4'h3) & ~(data_i[3] & (data_i[2] | data_i[1]));
+  wire       capital  = (data_i[7:3] == 5'h08) & (data_i[2:0] != 3'd0) & (data_i[2:0] != 3'd7);
+  // A is 41H: a letter is 9 more than its low half.
+  wire [3:0] received = {data_i[3] | letter, data_i[2] ^ (letter & data_i[1] & data_i[0]),
+                         data_i[1] ^ (letter & data_i[0]), data_i[0] ^ letter};
+
+  // ------------------------------------------------------------------ halves of bytes
+
+  wire       first    = ~half_q & ascii_i;
+  wire       colon_tx = ascii_i & ~began_q;                       // `:` is sent
+  wire       special  = colon_tx | (last_i & ascii_i);
+  wire       cr_tx    = last_i & first;
+  wire       half_rx  = ~cr_q & ~is_colon & ~is_cr;
+  wire       step     = valid_i ? ready_i & began_q : char_stb_i & half_rx;
+  wire       fresh    = start_q | (valid_i & ~began_q);
+
+  // CR is D and LF is A with other high bits, `:` is A as if it were a digit.
+  wire [3:0] sent     = special ? {1'b1, cr_tx, ~cr_tx, cr_tx} :
+                        (check_i & ascii_i) ? (first ? lrc_q[7:4] : lrc_q[3:0]) :
+                                              (first ? frame_byte_i[7:4] : frame_byte_i[3:0]);
+  wire [3:0] nibble   = valid_i ? sent : received;
+  wire       capitals = ascii_i & ~special & nibble[3] & (nibble[2] | nibble[1]);
+
+  wire       data_stb = char_stb_i & receiving_i;
+  wire       misplaced = cr_q ? ~ends : is_colon ? any_q : is_cr ? half_q : ~(digit | capital);
+  wire       over     = over_i & receiving_i;
+
+  always @(posedge clk_i) begin
+    if (step) begin
+      half_q <= ~half_q;
+      if (first) high_q <= nibble;
+      if (first) lrc_q[7:4] <= lrc_q[7:4] - nibble;
+      else       lrc_q      <= lrc_q - {4'd0, nibble};
+    end
+    if (fresh) begin
+      half_q <= 1'b0;
+      lrc_q  <= 8'd0;
+    end
+    began_q <= valid_i & (began_q | ready_i);
+
+    colon_q <= char_stb_i & is_colon & ~(receiving_i & cr_q & ends);
+    start_q <= colon_q;
+    up_q    <= start_q;
+    close_q <= (data_stb & (cr_q | (is_colon & any_q))) | (over & ~close_q);
+    if (data_stb) begin
+      any_q <= any_q | ~is_colon;
+      cr_q  <= is_cr;
+    end
+    if ((data_stb && misplaced) || over) wrong_q <= 1'b1;
+    if (start_q) {any_q, cr_q, wrong_q} <= 3'b000;
+
+    if (delimiter_stb_i)    delimiter_q <= frame_byte_i;
+    if (restart_i || rst_i) delimiter_q <= LF;
+    if (rst_i) {colon_q, start_q, up_q, close_q, began_q} <= 5'd0;
+  end
+
+  assign start_stb_o = ascii_i ? start_q : start_stb_i;
+  assign half_o      = half_rx | ~ascii_i;
+  assign whole_o     = half_rx & half_q | ~ascii_i;
+  assign byte_o      = {ascii_i ? high_q : data_i[7:4], nibble};
+  assign up_stb_o    = up_q;
+  assign check_ok_o  = ascii_i ? (lrc_q == 8'd0) & ~wrong_q : crc_zero_i;
+  assign t15_o       = ascii_i ? over : t15_i;
+  assign t35_o       = ascii_i ? close_q | ~receiving_i : t35_i;
+  assign ready_o     = ready_i & (~ascii_i | ~valid_i | (half_q & began_q));
+  assign check_o     = check_i & ~ascii_i;
+  assign data_o      = {~ascii_i & frame_byte_i[7],
+                        ascii_i ? capitals : frame_byte_i[6],
+                        ascii_i ? ~capitals & ~last_i : frame_byte_i[5],
+                        ascii_i ? ~capitals & ~last_i : frame_byte_i[4],
+                        nibble[3] & ~capitals,
+                        capitals ? nibble[2] & (nibble[1] | nibble[0]) : nibble[2],
+                        capitals ? ~(nibble[1] ^ nibble[0]) : nibble[1],
+                        nibble[0] ^ capitals};
+
+endmodule
+
+`default_nettype wire
