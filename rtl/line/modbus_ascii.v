@@ -26,10 +26,9 @@ module modbus_ascii (
   input  wire       clk_i,
   input  wire       rst_i,
   input  wire       ascii_i,         // level : ASCII mode, 0: RTU
-  input  wire       seven_i,         // level : characters have 7 bits
 
   // The delimiter
-  input  wire       delimiter_stb_i, // strobe: it is frame_byte_i from now on
+  input  wire       delimiter_stb_i, // strobe: it is frame_byte_i from now on, without bit 7
   input  wire       restart_i,       // strobe: it is LF again
 
   // Received characters
@@ -65,13 +64,14 @@ module modbus_ascii (
   input  wire       ready_i
 );
 
-  localparam [7:0] COLON = 8'h3A, CR = 8'h0D, LF = 8'h0A;
+  localparam [7:0] COLON = 8'h3A, CR = 8'h0D;
+  localparam [6:0] LF = 7'h0A;
 
-  reg [7:0] delimiter_q = LF;
-  reg [3:0] high_q;                  // high half of the byte that is received
-  reg [7:0] lrc_q;                   // 0 minus the bytes that have passed
-  reg       half_q = 1'b0;           // the first half of a byte has passed
-  reg       began_q = 1'b0;          // `:` was sent
+  reg [6:0] delimiter_q = LF;
+  reg [3:0] high_q;                  // high half of the byte
+  reg [7:0] sum_q;                   // sum of the bytes that have passed, less 1: inverted it is the LRC
+  reg       half_q = 1'b1;           // the high half of a byte has passed; RTU: 1
+  reg       began_q = 1'b1;          // `:` was sent; RTU: 1
   reg       any_q = 1'b0;            // something came since `:`
   reg       cr_q = 1'b0;             // CR came
   reg       wrong_q = 1'b0;          // the frame has a character it must not have, or too few
@@ -80,86 +80,83 @@ module modbus_ascii (
   reg       start_q = 1'b0;          // a clock later: the frame before it has ended
   reg       up_q = 1'b0;
 
-  // ------------------------------------------------------------------ characters
+  // ------------------------------------------------------------------ received characters
 
   wire       is_colon = (data_i == COLON);
   wire       is_cr    = (data_i == CR);
-  wire       ends     = (data_i[6:0] == delimiter_q[6:0]) & (seven_i | (data_i[7] == delimiter_q[7]));
-  wire       letter   = data_i[6] & ascii_i;
+  wire       ends     = (data_i == {1'b0, delimiter_q});
   wire       digit    = (data_i[7:4] == 4'h3) & ~(data_i[3] & (data_i[2] | data_i[1]));
   wire       capital  = (data_i[7:3] == 5'h08) & (data_i[2:0] != 3'd0) & (data_i[2:0] != 3'd7);
+  wire       of_byte  = ~cr_q & ~is_colon & ~is_cr;
+  wire       misplaced = cr_q ? ~ends : is_colon ? any_q : is_cr ? half_q : ~(digit | capital);
+  wire       heard    = char_stb_i & receiving_i;
+  wire       over     = over_i & receiving_i;
   // A is 41H: a letter is 9 more than its low half.
+  wire       letter   = data_i[6] & ascii_i;
   wire [3:0] received = {data_i[3] | letter, data_i[2] ^ (letter & data_i[1] & data_i[0]),
                          data_i[1] ^ (letter & data_i[0]), data_i[0] ^ letter};
 
-  // ------------------------------------------------------------------ halves of bytes
+  // ------------------------------------------------------------------ characters to send
 
-  wire       first    = ~half_q & ascii_i;
-  wire       colon_tx = ascii_i & ~began_q;                       // `:` is sent
-  wire       special  = colon_tx | (last_i & ascii_i);
-  wire       cr_tx    = last_i & first;
-  wire       half_rx  = ~cr_q & ~is_colon & ~is_cr;
-  wire       step     = valid_i ? ready_i & began_q : char_stb_i & half_rx;
+  // CR is 0DH, LF is 0AH, and `:` is 3AH: the digit that A would be.
+  wire       cr_tx    = last_i & ~half_q;
+  wire [3:0] sent     = (last_i | ~began_q) ? {1'b1, cr_tx, ~cr_tx, cr_tx} :
+                        check_i             ? (half_q ? ~sum_q[3:0] : ~sum_q[7:4]) :
+                                              (half_q ? frame_byte_i[3:0] : frame_byte_i[7:4]);
+
+  // ------------------------------------------------------------------ halves of bytes, either way
+
+  wire [3:0] nibble   = valid_i ? sent : received;
+  wire       above_9  = ascii_i & began_q & ~last_i & nibble[3] & (nibble[2] | nibble[1]);
+  wire       step     = valid_i ? ready_i & began_q : char_stb_i & of_byte;
   wire       fresh    = start_q | (valid_i & ~began_q);
 
-  // CR is D and LF is A with other high bits, `:` is A as if it were a digit.
-  wire [3:0] sent     = special ? {1'b1, cr_tx, ~cr_tx, cr_tx} :
-                        (check_i & ascii_i) ? (first ? lrc_q[7:4] : lrc_q[3:0]) :
-                                              (first ? frame_byte_i[7:4] : frame_byte_i[3:0]);
-  wire [3:0] nibble   = valid_i ? sent : received;
-  wire       capitals = ascii_i & ~special & nibble[3] & (nibble[2] | nibble[1]);
-
-  wire       data_stb = char_stb_i & receiving_i;
-  wire       misplaced = cr_q ? ~ends : is_colon ? any_q : is_cr ? half_q : ~(digit | capital);
-  wire       over     = over_i & receiving_i;
-
   always @(posedge clk_i) begin
-    if (step) begin
-      half_q <= ~half_q;
-      if (first) high_q <= nibble;
-      if (first) lrc_q[7:4] <= lrc_q[7:4] - nibble;
-      else       lrc_q      <= lrc_q - {4'd0, nibble};
-    end
+    if (step) half_q <= ~half_q;
+    if (step && half_q) sum_q <= sum_q + {high_q, nibble};
     if (fresh) begin
       half_q <= 1'b0;
-      lrc_q  <= 8'd0;
+      sum_q  <= 8'hFF;
     end
+    if (ascii_i ? step & ~half_q : char_stb_i) high_q <= ascii_i ? nibble : data_i[7:4];
     began_q <= valid_i & (began_q | ready_i);
+    if (!ascii_i) {half_q, began_q} <= 2'b11;
 
     colon_q <= char_stb_i & is_colon & ~(receiving_i & cr_q & ends);
     start_q <= colon_q;
     up_q    <= start_q;
-    close_q <= (data_stb & (cr_q | (is_colon & any_q))) | (over & ~close_q);
-    if (data_stb) begin
+    close_q <= (heard & (cr_q | (is_colon & any_q))) | over;
+    if (heard) begin
       any_q <= any_q | ~is_colon;
       cr_q  <= is_cr;
     end
-    if ((data_stb && misplaced) || over) wrong_q <= 1'b1;
+    if ((heard && misplaced) || over) wrong_q <= 1'b1;
     if (start_q) {any_q, cr_q, wrong_q} <= 3'b000;
 
-    if (delimiter_stb_i)    delimiter_q <= frame_byte_i;
+    if (delimiter_stb_i)    delimiter_q <= frame_byte_i[6:0];
     if (restart_i || rst_i) delimiter_q <= LF;
-    if (rst_i) {colon_q, start_q, up_q, close_q, began_q} <= 5'd0;
+    if (rst_i) {colon_q, start_q, up_q, close_q} <= 4'd0;
   end
 
   assign start_stb_o = ascii_i ? start_q : start_stb_i;
-  assign half_o      = half_rx | ~ascii_i;
-  assign whole_o     = half_rx & half_q | ~ascii_i;
-  assign byte_o      = {ascii_i ? high_q : data_i[7:4], nibble};
-  assign up_stb_o    = up_q;
-  assign check_ok_o  = ascii_i ? (lrc_q == 8'd0) & ~wrong_q : crc_zero_i;
-  assign t15_o       = ascii_i ? over : t15_i;
+  assign half_o      = of_byte | ~ascii_i;
+  assign whole_o     = half_o & half_q;
+  assign byte_o      = {high_q, nibble};
+  assign up_stb_o    = up_q & ascii_i;
+  assign check_ok_o  = ascii_i ? (sum_q == 8'hFF) & ~wrong_q : crc_zero_i;
+  assign t15_o       = ascii_i ? over_i : t15_i;
   assign t35_o       = ascii_i ? close_q | ~receiving_i : t35_i;
-  assign ready_o     = ready_i & (~ascii_i | ~valid_i | (half_q & began_q));
+  assign ready_o     = ready_i & (~valid_i | (half_q & began_q));
   assign check_o     = check_i & ~ascii_i;
-  assign data_o      = {~ascii_i & frame_byte_i[7],
-                        ascii_i ? capitals : frame_byte_i[6],
-                        ascii_i ? ~capitals & ~last_i : frame_byte_i[5],
-                        ascii_i ? ~capitals & ~last_i : frame_byte_i[4],
-                        nibble[3] & ~capitals,
-                        capitals ? nibble[2] & (nibble[1] | nibble[0]) : nibble[2],
-                        capitals ? ~(nibble[1] ^ nibble[0]) : nibble[1],
-                        nibble[0] ^ capitals};
+  // 9 more than a half above 9 has a low half of 1 to 6.
+  assign data_o      = {frame_byte_i[7] & ~ascii_i,
+                        ascii_i ? above_9 : frame_byte_i[6],
+                        ascii_i ? ~above_9 & ~last_i : frame_byte_i[5],
+                        ascii_i ? ~above_9 & ~last_i : frame_byte_i[4],
+                        nibble[3] & ~above_9,
+                        nibble[2] & ~(above_9 & ~nibble[1] & ~nibble[0]),
+                        nibble[1] ^ (above_9 & ~nibble[0]),
+                        nibble[0] ^ above_9};
 
 endmodule
 

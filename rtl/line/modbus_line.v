@@ -76,9 +76,6 @@ module modbus_line #(
     if (ASCII_TIMEOUT_MS < 1 || ASCII_TIMEOUT_MS > 1073741823 / ((CLK_HZ + 999) / 1000)) begin : gen_ascii_timeout
       ERROR_modbus_ASCII_TIMEOUT_MS_from_1_to_1073741823_by_CLK_HZ_in_kilohertz illegal_parameter ();
     end
-    if (ASCII_MODE != 0 && T35_CLOCKS > TIMEOUT) begin : gen_ascii_floor
-      ERROR_modbus_ASCII_TIMEOUT_MS_is_below_T35_MIN_US illegal_parameter ();
-    end
     if (T15_MIN_US < 0 || T35_MIN_US < T15_MIN_US || T35_MIN_US > 100000) begin : gen_floors
       ERROR_modbus_T35_MIN_US_from_T15_MIN_US_to_100000 illegal_parameter ();
     end
@@ -88,7 +85,14 @@ module modbus_line #(
   localparam integer KHZ = (CLK_HZ % 1000000 + 999) / 1000;
   localparam integer T15_CLOCKS = (CLK_HZ / 1000000) * T15_MIN_US + (KHZ * T15_MIN_US + 999) / 1000;
   localparam integer T35_CLOCKS = (CLK_HZ / 1000000) * T35_MIN_US + (KHZ * T35_MIN_US + 999) / 1000;
-  localparam integer TIMEOUT = ((CLK_HZ + 999) / 1000) * ASCII_TIMEOUT_MS;
+  // The time-out of ASCII mode in ticks of 2^TICK_BITS clocks: it is never early, and late by less than a tick.
+  localparam integer TIMEOUT     = ((CLK_HZ + 999) / 1000) * ASCII_TIMEOUT_MS;
+  localparam integer MOST_TICKS  = 4095;
+  localparam integer FEWEST_BITS = $clog2(TIMEOUT / MOST_TICKS + 1);
+  localparam integer T35_BITS    = $clog2(T35_CLOCKS + 1);
+  localparam integer TICK_BITS   = (FEWEST_BITS > T35_BITS) ? FEWEST_BITS : (T35_BITS > 0) ? T35_BITS : 1;
+  localparam integer TICKS       = (TIMEOUT >> TICK_BITS) + 1;
+  localparam integer EXTRA_AT    = $clog2(TICKS + 1);          // the further periods stand above the bits of TICKS
 
   wire [15:0] bit_time    = settings_i[`MB_SET_BIT_TIME];
   wire [3:0]  fraction    = settings_i[`MB_SET_BIT_FRACTION];
@@ -125,19 +129,23 @@ module modbus_line #(
 
   // ------------------------------------------------------------------ silence and waits
 
-  wire        t15, t35, over, send_stb, tx_wait_clear, tx_wait_short, wait_over;
+  wire        t15, t35, send_stb, tx_wait_clear, tx_wait_short, wait_over;
   wire [11:0] tx_wait_limit;
 
-  // One wait counter: the waits of an answer follow the bank's.
+  // One wait counter: the waits of an answer follow the bank's, and those the silences inside a frame of ASCII mode.
+  wire        counts_silence = ascii & rx_active_o;
+  wire [3:0]  extra          = settings_i[`MB_SET_ASCII_EXTRA];
+  wire [15:0] timeout        = TICKS[15:0] | ({12'd0, extra} << EXTRA_AT);
   modbus_line_timer #(
     .MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS), .T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS),
-    .TIMEOUT_CLOCKS((ASCII_MODE != 0) ? TIMEOUT : 0)
+    .TICK_BITS((ASCII_MODE != 0) ? TICK_BITS : 0)
   ) u_line_timer (
     .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
-    .t15_o(t15), .t35_o(t35), .extra_i(settings_i[`MB_SET_ASCII_EXTRA]), .over_o(over), .wait_stb_i(send_stb),
-    .wait_clear_i(sending_o ? tx_wait_clear : ~bank_waits_i),
-    .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : stall_limit), .wait_short_i(sending_o & tx_wait_short),
+    .t15_o(t15), .t35_o(t35), .wait_stb_i(send_stb),
+    .wait_clear_i(sending_o ? tx_wait_clear : counts_silence ? receiving : ~bank_waits_i),
+    .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : counts_silence ? timeout : stall_limit),
+    .wait_short_i(sending_o & tx_wait_short), .wait_ticks_i(counts_silence),
     .wait_over_o(wait_over)
   );
 
@@ -151,10 +159,10 @@ module modbus_line #(
   generate
     if (ASCII_MODE != 0) begin : gen_ascii
       modbus_ascii u_ascii (
-        .clk_i(clk_i), .rst_i(rst_i), .ascii_i(ascii), .seven_i(seven),
+        .clk_i(clk_i), .rst_i(rst_i), .ascii_i(ascii),
         .delimiter_stb_i(verdict_i[`MB_VERDICT_DELIMITER]), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
         .receiving_i(rx_active_o), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
-        .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(over), .start_stb_o(frame_start), .half_o(half),
+        .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(wait_over), .start_stb_o(frame_start), .half_o(half),
         .whole_o(whole), .byte_o(rx_byte_o), .up_stb_o(ram_do_o[`MB_RAM_UP]), .check_ok_o(check_ok),
         .t15_o(frame_t15), .t35_o(frame_t35), .valid_i(tx_valid), .check_i(tx_check), .last_i(tx_last),
         .frame_byte_i(frame_byte_i), .ready_o(tx_ready), .data_o(uart_data), .check_o(uart_check),
@@ -162,7 +170,7 @@ module modbus_line #(
       );
     end else begin : gen_rtu
       wire unused = &{1'b0, verdict_i[`MB_VERDICT_DELIMITER], settings_i[`MB_SET_ASCII],
-                      settings_i[`MB_SET_EIGHT_BITS], tx_last, over};
+                      settings_i[`MB_SET_EIGHT_BITS], tx_last};
       assign frame_start = start_stb;
       assign frame_t15   = t15;
       assign frame_t35   = t35;

@@ -13,6 +13,7 @@
 //   Resolution: half a bit for the character times, a clock for the floors.
 //
 // Waits.  While wait_clear_i is low bits are counted; wait_over_o rises a clock behind the last of wait_limit_i.
+//   With wait_ticks_i it counts ticks of 2^TICK_BITS clocks of silence instead.
 //   wait_stb_i begins a whole bit, so that the wait is not a part of one short.  A wait that runs is not disturbed by
 //   characters; a silence during one may be measured half a bit short.
 
@@ -24,7 +25,7 @@ module modbus_line_timer #(
   parameter integer BIT_FRACTIONS = 0,      // 1: fraction_i counts
   parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
   parameter integer T35_CLOCKS = 87500,     // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
-  parameter integer TIMEOUT_CLOCKS = 0      // period of the time-out of ASCII mode in clocks, 0: there is none
+  parameter integer TICK_BITS  = 0          // 0: wait_ticks_i is 0; else at least the bits of T35_CLOCKS
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
@@ -38,20 +39,19 @@ module modbus_line_timer #(
   input  wire        restart_i,      // strobe: silence counts anew
   output wire        t15_o,          // level : silent for t1.5; still valid in the first clock of receiving_i
   output wire        t35_o,          // level : silent for t3.5
-  input  wire [3:0]  extra_i,        // further periods of TIMEOUT_CLOCKS
-  output wire        over_o,         // level : silent for 1 + extra_i periods
 
   // Waits
   input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
   input  wire        wait_clear_i,   // level : nothing is waited for
   input  wire [15:0] wait_limit_i,   // bit times
   input  wire        wait_short_i,   // level : only the low four bits of the limit count
+  input  wire        wait_ticks_i,   // level : the limit is in ticks of silence
   output wire        wait_over_o     // level : the limit is reached; with limit 0 a clock behind wait_clear_i
 );
 
   generate
-    if (T15_CLOCKS < 0 || T35_CLOCKS < T15_CLOCKS || T35_CLOCKS >= (1 << 28) || TIMEOUT_CLOCKS < 0 ||
-        (TIMEOUT_CLOCKS != 0 && TIMEOUT_CLOCKS < T35_CLOCKS)) begin : gen_illegal
+    if (T15_CLOCKS < 0 || T35_CLOCKS < T15_CLOCKS || T35_CLOCKS >= (1 << 28) ||
+        (TICK_BITS != 0 && TICK_BITS < $clog2(T35_CLOCKS + 1))) begin : gen_illegal
       ERROR_modbus_line_timer_floor_of_t35_below_floor_of_t15 illegal_parameter ();
     end
   endgenerate
@@ -66,7 +66,7 @@ module modbus_line_timer #(
   wire       quarter_stb, bit_stb;
   wire [1:0] quarter;
   wire       half_stb = quarter_stb & quarter[0];
-  wire       unused   = quarter[1];
+  wire       unused   = &{1'b0, quarter[1], wait_ticks_i, tick};
 
   // Silence begins with a whole bit.  A wait that begins in this clock is a clock too late to matter.
   reg        no_wait_q = 1'b1;
@@ -98,64 +98,41 @@ module modbus_line_timer #(
     end
   end
 
-  wire t15_floor, t35_floor;
+  wire t15_floor, t35_floor, tick;
 
   generate
-    if (T35_CLOCKS == 0 && TIMEOUT_CLOCKS == 0) begin : gen_no_floor
+    if (T35_CLOCKS == 0 && TICK_BITS == 0) begin : gen_no_floor
       wire unused_rest = rest;
+      assign tick      = 1'b0;
       assign t15_floor = 1'b1;
       assign t35_floor = 1'b1;
     end else begin : gen_floor
-      localparam integer LONGEST = (TIMEOUT_CLOCKS > T35_CLOCKS) ? TIMEOUT_CLOCKS : T35_CLOCKS;
-      localparam W = $clog2(LONGEST + 1);
+      localparam W = (TICK_BITS != 0) ? TICK_BITS : $clog2(T35_CLOCKS + 1);
       reg [W-1:0] clocks_q = {W{1'b0}};
       reg         t15_q = 1'b0, t35_q = 1'b0;
-      wire        period;              // the time-out's period ends
+      wire        wraps;
+      wire [W-1:0] next;
+      assign {wraps, next} = {1'b0, clocks_q} + 1'b1;
+      assign tick = wraps;
       always @(posedge clk_i) begin
         if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
         if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
-        clocks_q <= clocks_q + 1'b1;
-        if (busy || rest || period) clocks_q <= {W{1'b0}};
+        clocks_q <= next;
         if (busy || rest) begin
-          t15_q <= 1'b0;
-          t35_q <= 1'b0;
+          clocks_q <= {W{1'b0}};
+          t15_q    <= 1'b0;
+          t35_q    <= 1'b0;
         end
-      end
-      if (TIMEOUT_CLOCKS != 0) begin : gen_timeout
-        // Counting up from 0, the first number with all the bits of the period is the period itself.
-        reg [3:0] periods_q = 4'd0;
-        reg       over_q = 1'b0;
-        assign period = &(clocks_q | ~TIMEOUT_CLOCKS[W-1:0]);
-        always @(posedge clk_i) begin
-          if (period) begin
-            periods_q <= periods_q + 4'd1;
-            if (periods_q == extra_i) over_q <= 1'b1;
-          end
-          if (busy || rest) begin
-            periods_q <= 4'd0;
-            over_q    <= 1'b0;
-          end
-        end
-        assign over_o = over_q;
-      end else begin : gen_no_timeout
-        assign period = 1'b0;
       end
 `ifdef FORMAL
       always @(posedge clk_i) if (f_past) begin
-        if (TIMEOUT_CLOCKS == 0) assert (clocks_q == f_clocks[W-1:0] || f_clocks == 16'hFFFF);
+        assert (clocks_q == f_clocks[W-1:0] || f_clocks == 16'hFFFF);
         assert (t15_q == (f_clocks > T15_CLOCKS));
         assert (t35_q == (f_clocks > T35_CLOCKS));
       end
 `endif
       assign t15_floor = t15_q;
       assign t35_floor = t35_q;
-    end
-  endgenerate
-
-  generate
-    if (TIMEOUT_CLOCKS == 0) begin : gen_no_over
-      wire unused_extra = &{1'b0, extra_i};
-      assign over_o = 1'b0;
     end
   endgenerate
 
@@ -173,7 +150,7 @@ module modbus_line_timer #(
   always @(posedge clk_i) begin
     over_q <= over & ~wait_clear_i;
     if (wait_clear_i)            bits_q <= 16'd0;
-    else if (bit_stb && !over_q) bits_q <= bits_q + 16'd1;
+    else if (((TICK_BITS != 0 && wait_ticks_i) ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
   end
 
   assign wait_over_o = over_q;
