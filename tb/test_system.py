@@ -51,6 +51,7 @@ SMALL = {
         )
     ),
 }
+ASCII = {**FAST, "ASCII_MODE": 1, "CLK_HZ": 1_000_000, "ASCII_TIMEOUT_MS": 1}  # the time-out is 1000 clocks
 LIMITED = {
     **FAST,
     "MAX_READ_BITS": 37,
@@ -240,6 +241,8 @@ SUITES = {
     "core_checked_bus": (CORE, {**NO_FLOORS, "CHECK_WRITES": 1}, "core_bus", "in_order|stall_limit_on|longest_lists"),
     "ram_checked": (SLAVE, {**FAST, "CHECK_WRITES": 1}, "functions", "write|mask"),
     "io_checked": (IO, {**NO_FLOORS, "CHECK_WRITES": 1}, "io_bank", None),
+    "ascii": (SLAVE, ASCII, "ascii_mode", None),
+    "ascii_floors": (SLAVE, {**REFERENCE, "ASCII_MODE": 1, "CLK_HZ": 1_000_000, "ASCII_TIMEOUT_MS": 7}, "ascii_mode", "time_out"),
     "random": (SLAVE, EVERYTHING, "random_requests", None),
     "example_user": ("example_bench", EXAMPLE_USER, "example_user", None),
     "pdm_meter": (PDM, NO_FLOORS, "pdm_meter", None),

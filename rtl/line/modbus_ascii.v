@@ -13,7 +13,7 @@
 //   silence above the time-out   t15_o, then t35_o: the frame ends as a bad one
 //
 // up_stb_o makes up for the second check byte that RTU has.  check_ok_o is the verdict on the LRC and the characters.
-// Characters outside a frame are ignored, so t35_o is high there.
+// Characters outside a frame are ignored.
 //
 // Sending, modbus_frame_tx offers bytes and then two check bytes.  `:` goes before the first byte, each byte goes as two
 // characters, the first check byte as the LRC and the second as CR LF.
@@ -33,6 +33,7 @@ module modbus_ascii (
 
   // Received characters
   input  wire       receiving_i,     // level : a frame is being received
+  input  wire       open_stb_i,      // strobe: it begins: the frame RAM counts from 0
   input  wire       start_stb_i,     // strobe: a start bit
   input  wire       char_stb_i,      // strobe: a character is complete
   input  wire [7:0] data_i,          // level : it
@@ -124,7 +125,7 @@ module modbus_ascii (
 
     colon_q <= char_stb_i & is_colon & ~(receiving_i & cr_q & ends);
     start_q <= colon_q;
-    up_q    <= start_q;
+    up_q    <= open_stb_i & ascii_i;
     close_q <= (heard & (cr_q | (is_colon & any_q))) | over;
     if (heard) begin
       any_q <= any_q | ~is_colon;
@@ -142,10 +143,10 @@ module modbus_ascii (
   assign half_o      = of_byte | ~ascii_i;
   assign whole_o     = half_o & half_q;
   assign byte_o      = {high_q, nibble};
-  assign up_stb_o    = up_q & ascii_i;
+  assign up_stb_o    = up_q;
   assign check_ok_o  = ascii_i ? (sum_q == 8'hFF) & ~wrong_q : crc_zero_i;
   assign t15_o       = ascii_i ? over_i : t15_i;
-  assign t35_o       = ascii_i ? close_q | ~receiving_i : t35_i;
+  assign t35_o       = ascii_i ? close_q : t35_i;
   assign ready_o     = ready_i & (~valid_i | (half_q & began_q));
   assign check_o     = check_i & ~ascii_i;
   // 9 more than a half above 9 has a low half of 1 to 6.

@@ -116,8 +116,8 @@ module modbus_frame_rx (
   always @* begin
     state_d = state_q;
     case (state_q)
-      // Whatever is on the line began before we listened.
-      ST_INITIAL: if (t35_i) state_d = ST_IDLE;
+      // Whatever is on the line began before we listened.  In ASCII mode `:` tells what does not.
+      ST_INITIAL: if (t35_i || ascii_i) state_d = ST_IDLE;
       // Silent: the next character is the first of a frame.
       ST_IDLE: if (start_stb_i) state_d = ST_RECEPTION;
       // Characters of one frame, until t3.5 of silence.

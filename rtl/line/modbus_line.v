@@ -129,7 +129,7 @@ module modbus_line #(
 
   // ------------------------------------------------------------------ silence and waits
 
-  wire        t15, t35, send_stb, tx_wait_clear, tx_wait_short, wait_over;
+  wire        t15, t35, rest, send_stb, tx_wait_clear, tx_wait_short, wait_over;
   wire [11:0] tx_wait_limit;
 
   // One wait counter: the waits of an answer follow the bank's, and those the silences inside a frame of ASCII mode.
@@ -142,7 +142,7 @@ module modbus_line #(
   ) u_line_timer (
     .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
-    .t15_o(t15), .t35_o(t35), .wait_stb_i(send_stb),
+    .t15_o(t15), .t35_o(t35), .rest_o(rest), .wait_stb_i(send_stb),
     .wait_clear_i(sending_o ? tx_wait_clear : counts_silence ? receiving : ~bank_waits_i),
     .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : counts_silence ? timeout : stall_limit),
     .wait_short_i(sending_o & tx_wait_short), .wait_ticks_i(counts_silence),
@@ -161,7 +161,7 @@ module modbus_line #(
       modbus_ascii u_ascii (
         .clk_i(clk_i), .rst_i(rst_i), .ascii_i(ascii),
         .delimiter_stb_i(verdict_i[`MB_VERDICT_DELIMITER]), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
-        .receiving_i(rx_active_o), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
+        .receiving_i(rx_active_o), .open_stb_i(ram_do_o[`MB_RAM_OPEN]), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
         .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(wait_over), .start_stb_o(frame_start), .half_o(half),
         .whole_o(whole), .byte_o(rx_byte_o), .up_stb_o(ram_do_o[`MB_RAM_UP]), .check_ok_o(check_ok),
         .t15_o(frame_t15), .t35_o(frame_t35), .valid_i(tx_valid), .check_i(tx_check), .last_i(tx_last),
@@ -214,7 +214,7 @@ module modbus_line #(
     .sent_stb_o(sent_stb), .dropped_stb_o(dropped_stb), .de_o(de_o),
     .response_delay_i(settings_i[`MB_SET_RESPONSE_DELAY]), .de_lead_i(settings_i[`MB_SET_DE_LEAD]),
     .de_tail_i(settings_i[`MB_SET_DE_TAIL]), .wait_clear_o(tx_wait_clear), .wait_limit_o(tx_wait_limit),
-    .wait_short_o(tx_wait_short), .wait_over_i(wait_over), .count_i(count_i), .next_stb_o(ram_do_o[`MB_RAM_NEXT]),
+    .wait_short_o(tx_wait_short), .wait_over_i(wait_over & ~(ascii & rest)), .count_i(count_i), .next_stb_o(ram_do_o[`MB_RAM_NEXT]),
     .valid_o(tx_valid), .check_o(tx_check), .last_o(tx_last), .ready_i(tx_ready)
   );
 

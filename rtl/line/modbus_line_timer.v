@@ -39,6 +39,7 @@ module modbus_line_timer #(
   input  wire        restart_i,      // strobe: silence counts anew
   output wire        t15_o,          // level : silent for t1.5; still valid in the first clock of receiving_i
   output wire        t35_o,          // level : silent for t3.5
+  output wire        rest_o,         // level : the last stop bits have not ended, or a character is on the line
 
   // Waits
   input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
@@ -98,11 +99,12 @@ module modbus_line_timer #(
     end
   end
 
+  assign rest_o = rest;
+
   wire t15_floor, t35_floor, tick;
 
   generate
     if (T35_CLOCKS == 0 && TICK_BITS == 0) begin : gen_no_floor
-      wire unused_rest = rest;
       assign tick      = 1'b0;
       assign t15_floor = 1'b1;
       assign t35_floor = 1'b1;
