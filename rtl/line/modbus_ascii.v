@@ -9,7 +9,8 @@
 //   `:`                          start_stb_o: a frame begins.  A `:` inside a frame first ends that as a bad one, unless
 //                                nothing has come since its own `:`
 //   a character for half a byte  half_o with the character's strobe, whole_o too with the second: byte_o is complete
-//   the character behind CR      t35_o: the frame ends; a bad one if the character is not the delimiter
+//   the character behind CR      t35_o, when its stop bits have ended: the frame ends; a bad one if the character is not
+//                                the delimiter
 //   silence above the time-out   t15_o, then t35_o: the frame ends as a bad one
 //
 // up_stb_o makes up for the second check byte that RTU has.  check_ok_o is the verdict on the LRC and the characters.
@@ -41,6 +42,7 @@ module modbus_ascii (
   input  wire       t15_i,
   input  wire       t35_i,
   input  wire       over_i,          // level : silent for longer than the time-out
+  input  wire       rest_i,          // level : the stop bits of the last character have not ended
 
   // To the frame receiver
   output wire       start_stb_o,     // strobe: a character that begins or continues a frame
@@ -76,6 +78,7 @@ module modbus_ascii (
   reg       any_q = 1'b0;            // something came since `:`
   reg       cr_q = 1'b0;             // CR came
   reg       wrong_q = 1'b0;          // the frame has a character it must not have, or too few
+  reg       end_q = 1'b0;            // its last character came
   reg       close_q = 1'b0;          // the frame ends
   reg       colon_q = 1'b0;          // `:` came
   reg       start_q = 1'b0;          // a clock later: the frame before it has ended
@@ -88,6 +91,7 @@ module modbus_ascii (
   wire       ends     = (data_i == {1'b0, delimiter_q});
   wire       digit    = (data_i[7:4] == 4'h3) & ~(data_i[3] & (data_i[2] | data_i[1]));
   wire       capital  = (data_i[7:3] == 5'h08) & (data_i[2:0] != 3'd0) & (data_i[2:0] != 3'd7);
+  wire       anew     = is_colon & ~(cr_q & ends);
   wire       of_byte  = ~cr_q & ~is_colon & ~is_cr;
   wire       misplaced = cr_q ? ~ends : is_colon ? any_q : is_cr ? half_q : ~(digit | capital);
   wire       heard    = char_stb_i & receiving_i;
@@ -123,10 +127,12 @@ module modbus_ascii (
     began_q <= valid_i & (began_q | ready_i);
     if (!ascii_i) {half_q, began_q} <= 2'b11;
 
-    colon_q <= char_stb_i & is_colon & ~(receiving_i & cr_q & ends);
+    colon_q <= char_stb_i & (receiving_i ? anew : is_colon);
     start_q <= colon_q;
     up_q    <= open_stb_i & ascii_i;
-    close_q <= (heard & (cr_q | (is_colon & any_q))) | over;
+    // Another character may begin before the stop bits should have ended.
+    end_q   <= (heard & cr_q & ~anew) | (end_q & rest_i & ~start_stb_i);
+    close_q <= (heard & anew & any_q) | (end_q & (start_stb_i | ~rest_i)) | over;
     if (heard) begin
       any_q <= any_q | ~is_colon;
       cr_q  <= is_cr;
@@ -136,7 +142,7 @@ module modbus_ascii (
 
     if (delimiter_stb_i)    delimiter_q <= frame_byte_i[6:0];
     if (restart_i || rst_i) delimiter_q <= LF;
-    if (rst_i) {colon_q, start_q, up_q, close_q} <= 4'd0;
+    if (rst_i) {colon_q, start_q, up_q, end_q, close_q} <= 5'd0;
   end
 
   assign start_stb_o = ascii_i ? start_q : start_stb_i;
@@ -158,6 +164,136 @@ module modbus_ascii (
                         nibble[2] & ~(above_9 & ~nibble[1] & ~nibble[0]),
                         nibble[1] ^ (above_9 & ~nibble[0]),
                         nibble[0] ^ above_9};
+
+`ifdef FORMAL
+  // What the characters say, worked out another way; modbus_frame_rx, the frame RAM and modbus_frame_tx are assumed.
+  function is_hex(input [7:0] c);
+    is_hex = (c >= "0" && c <= "9") || (c >= "A" && c <= "F");
+  endfunction
+  function [3:0] value(input [7:0] c);
+    reg [7:0] digit;
+    begin
+      digit = (c > "9") ? c - 8'h37 : c - 8'h30;
+      value = digit[3:0];
+    end
+  endfunction
+
+  reg       f_past = 1'b0;
+  reg [2:0] f_quiet = 3'd0;          // clocks in which no character can end, nor the transmitter be ready
+  reg       f_wrong = 1'b0;          // the frame has something it must not have
+  reg       f_odd = 1'b0;            // half a byte has come
+  reg       f_cr = 1'b0, f_any = 1'b0;
+  reg [7:0] f_first = 8'd0;          // the character of the first half
+  reg [7:0] f_sum = 8'd0;            // of all bytes, either way
+  reg [7:0] f_byte = 8'd0;           // the last
+  reg       f_whole = 1'b0;          // and it is complete since a clock
+  reg       f_ended = 1'b0;          // the frame ended with CR and the delimiter
+  reg       f_colon = 1'b0;          // what is sent: `:` has been,
+  reg [1:0] f_checks = 2'd0;         // so many check bytes
+
+  wire f_data = char_stb_i & receiving_i & ~f_cr & (data_i != ":") & (data_i != 8'h0D);
+  wire f_take = valid_i & ready_i;
+  wire [7:0] f_lrc = 8'd0 - f_sum;
+  wire f_delimits = f_cr & (data_i == {1'b0, delimiter_q});
+
+  always @(posedge clk_i) begin
+    f_past  <= 1'b1;
+    f_quiet <= (char_stb_i || f_take) ? 3'd6 : (f_quiet != 3'd0) ? f_quiet - 3'd1 : 3'd0;
+    f_whole <= f_data & f_odd;
+    f_ended <= (char_stb_i & receiving_i & f_delimits) | (f_ended & ~t35_o & ~start_q);
+    if (char_stb_i && receiving_i) begin
+      f_cr  <= (data_i == 8'h0D);
+      f_any <= f_any | (data_i != ":");
+      if (f_cr && !f_delimits)                         f_wrong <= 1'b1;
+      if (data_i == ":" && !f_delimits && f_any)       f_wrong <= 1'b1;
+      if (data_i == 8'h0D && !f_cr && f_odd) f_wrong <= 1'b1;
+      if (f_data && !is_hex(data_i)) f_wrong <= 1'b1;
+    end
+    if (f_data) begin
+      f_odd <= ~f_odd;
+      if (!f_odd) f_first <= data_i;
+      else begin
+        f_byte <= {value(f_first), value(data_i)};
+        f_sum  <= f_sum + {value(f_first), value(data_i)};
+      end
+    end
+    if (start_q) {f_wrong, f_odd, f_cr, f_any, f_sum} <= 12'd0;
+    if (valid_i) begin
+      if (f_take) f_colon <= 1'b1;
+      if (valid_i && ready_o && !check_i) f_sum <= f_sum + frame_byte_i;
+      if (!f_colon) f_sum <= 8'd0;
+      if (valid_i && ready_o && check_i) f_checks <= f_checks + 2'd1;
+    end else {f_colon, f_checks} <= 3'd0;
+    if (!ascii_i) {f_odd, f_cr, f_wrong} <= 3'd0;
+  end
+
+  always @* if (!f_past) assume (rst_i);
+  always @(posedge clk_i) if (f_past) begin
+    assume ($stable(ascii_i) && !rst_i);
+    if (f_quiet != 3'd0) assume (!char_stb_i && !ready_i);
+    // The data stand until the next character ends, the byte to send until it was taken.
+    if (!char_stb_i) assume ($stable(data_i));
+    if ($past(valid_i) && !$past(ready_o)) assume (valid_i && $stable(frame_byte_i) && $stable(check_i) && $stable(last_i));
+    if ($past(valid_i && f_take && ready_o) && f_quiet == 3'd5) assume ($stable(frame_byte_i));
+    if (valid_i && ascii_i) assume (!receiving_i && !char_stb_i && !start_q && !colon_q);
+    // A frame begins a clock behind the start and ends with its end.
+    if (ascii_i) begin
+      if ($past(start_stb_o) && !$past(valid_i)) assume (receiving_i);
+      else if ($past(receiving_i && t35_o))      assume (!receiving_i);
+      else                                       assume (receiving_i == $past(receiving_i) || $past(rst_i));
+      if ($past(rst_i)) assume (!receiving_i && !valid_i);
+    end
+    // Bytes, then two check bytes
+    if (last_i) assume (check_i && f_checks == 2'd1);
+    if (valid_i && f_checks == 2'd1) assume (last_i);
+    if (valid_i && !f_colon) assume (!check_i);
+    assume (f_checks != 2'd2 || !valid_i);
+    if (f_checks != 2'd0) assume (!valid_i || check_i);
+    if ($past(delimiter_stb_i | restart_i)) assume (!receiving_i);
+    if (delimiter_stb_i || restart_i) assume (!receiving_i && !char_stb_i && !start_q && !colon_q);
+  end
+
+  always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
+    if (!ascii_i) begin
+      // RTU: as it comes
+      assert (start_stb_o == start_stb_i && half_o && whole_o && check_ok_o == crc_zero_i);
+      assert (t15_o == t15_i && t35_o == t35_i && ready_o == ready_i && check_o == check_i && !up_stb_o);
+      if (valid_i && !check_i) assert (data_o == frame_byte_i);
+      if ($past(char_stb_i) && !valid_i) assert (byte_o == $past(data_i));
+    end else begin
+      assert (!check_o);
+      if (receiving_i && !start_q) begin
+        assert (half_q == f_odd && cr_q == f_cr);
+        assert (f_wrong == wrong_q || t35_o || t15_o || colon_q);
+        assert (sum_q == f_sum - 8'd1 || f_wrong);
+        if (f_odd) assert (high_q == value(f_first) || !is_hex(f_first));
+      end
+      // A whole byte
+      if (char_stb_i && receiving_i) assert (whole_o == (f_data && f_odd) && half_o == f_data);
+      if (f_whole && !f_wrong) assert (byte_o == f_byte);
+      // A frame is good only if each character was allowed, CR and the delimiter end it, and the LRC is right.
+      if (receiving_i && t35_o && check_ok_o) assert (f_ended && !f_wrong && !f_odd && f_sum == 8'd0);
+      if (f_ended && receiving_i) assert (end_q || t35_o);
+      if (f_ended && receiving_i && t35_o && !f_wrong && !f_odd && f_sum == 8'd0 && !wrong_q) assert (check_ok_o);
+      // What is sent: `:`, two characters a byte, the LRC, CR LF
+      if (valid_i) begin
+        assert (began_q == f_colon);
+        if (!f_colon) assert (data_o == ":" && !ready_o);
+        else if (last_i) assert (data_o == (half_q ? 8'h0A : 8'h0D));
+        else begin
+          assert (is_hex(data_o));
+          if (!check_i) assert (value(data_o) == (half_q ? frame_byte_i[3:0] : frame_byte_i[7:4]));
+          else          assert (value(data_o) == (half_q ? f_lrc[3:0] : f_lrc[7:4]));
+        end
+        if (f_colon) assert (ready_o == (ready_i && half_q));
+        if (f_colon && !check_i && !half_q) assert (sum_q == f_sum - 8'd1);
+      end
+    end
+    cover (ascii_i && receiving_i && t35_o && check_ok_o && f_sum == 8'd0 && f_any);
+    cover (ascii_i && last_i && f_take && half_q);
+    cover (ascii_i && receiving_i && t15_o && t35_o);
+  end
+`endif
 
 endmodule
 

@@ -162,7 +162,7 @@ module modbus_line #(
         .clk_i(clk_i), .rst_i(rst_i), .ascii_i(ascii),
         .delimiter_stb_i(verdict_i[`MB_VERDICT_DELIMITER]), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
         .receiving_i(rx_active_o), .open_stb_i(ram_do_o[`MB_RAM_OPEN]), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
-        .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(wait_over), .start_stb_o(frame_start), .half_o(half),
+        .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(wait_over), .rest_i(rest), .start_stb_o(frame_start), .half_o(half),
         .whole_o(whole), .byte_o(rx_byte_o), .up_stb_o(ram_do_o[`MB_RAM_UP]), .check_ok_o(check_ok),
         .t15_o(frame_t15), .t35_o(frame_t35), .valid_i(tx_valid), .check_i(tx_check), .last_i(tx_last),
         .frame_byte_i(frame_byte_i), .ready_o(tx_ready), .data_o(uart_data), .check_o(uart_check),
@@ -170,7 +170,7 @@ module modbus_line #(
       );
     end else begin : gen_rtu
       wire unused = &{1'b0, verdict_i[`MB_VERDICT_DELIMITER], settings_i[`MB_SET_ASCII],
-                      settings_i[`MB_SET_EIGHT_BITS], tx_last};
+                      settings_i[`MB_SET_EIGHT_BITS], tx_last, rest};
       assign frame_start = start_stb;
       assign frame_t15   = t15;
       assign frame_t35   = t35;
@@ -214,7 +214,7 @@ module modbus_line #(
     .sent_stb_o(sent_stb), .dropped_stb_o(dropped_stb), .de_o(de_o),
     .response_delay_i(settings_i[`MB_SET_RESPONSE_DELAY]), .de_lead_i(settings_i[`MB_SET_DE_LEAD]),
     .de_tail_i(settings_i[`MB_SET_DE_TAIL]), .wait_clear_o(tx_wait_clear), .wait_limit_o(tx_wait_limit),
-    .wait_short_o(tx_wait_short), .wait_over_i(wait_over & ~(ascii & rest)), .count_i(count_i), .next_stb_o(ram_do_o[`MB_RAM_NEXT]),
+    .wait_short_o(tx_wait_short), .wait_over_i(wait_over), .count_i(count_i), .next_stb_o(ram_do_o[`MB_RAM_NEXT]),
     .valid_o(tx_valid), .check_o(tx_check), .last_o(tx_last), .ready_i(tx_ready)
   );
 

@@ -119,7 +119,8 @@ class Bench(HostPort, Readout):
         key = name.removeprefix("err_").removesuffix("_stb")
         while True:
             await RisingEdge(handle)
-            self.strobes[key] += 1
+            await ReadOnly()
+            self.strobes[key] += int(handle.value)
 
     async def _watch_writes(self):
         dut = self.dut
