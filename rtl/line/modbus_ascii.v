@@ -188,6 +188,7 @@ module modbus_ascii (
   reg [7:0] f_byte = 8'd0;           // the last
   reg       f_whole = 1'b0;          // and it is complete since a clock
   reg       f_ended = 1'b0;          // the frame ended with CR and the delimiter
+  reg       f_begun = 1'b0;          // a character is on the line
   reg       f_colon = 1'b0;          // what is sent: `:` has been,
   reg [1:0] f_checks = 2'd0;         // so many check bytes
 
@@ -200,6 +201,7 @@ module modbus_ascii (
     f_past  <= 1'b1;
     f_quiet <= (char_stb_i || f_take) ? 3'd6 : (f_quiet != 3'd0) ? f_quiet - 3'd1 : 3'd0;
     f_whole <= f_data & f_odd;
+    f_begun <= start_stb_i | (f_begun & ~char_stb_i);
     f_ended <= (char_stb_i & receiving_i & f_delimits) | (f_ended & ~t35_o & ~start_q);
     if (char_stb_i && receiving_i) begin
       f_cr  <= (data_i == 8'h0D);
@@ -231,6 +233,9 @@ module modbus_ascii (
   always @(posedge clk_i) if (f_past) begin
     assume ($stable(ascii_i) && !rst_i);
     if (f_quiet != 3'd0) assume (!char_stb_i && !ready_i);
+    if (char_stb_i)  assume (f_begun);
+    if (start_stb_i) assume (!f_begun && !char_stb_i);
+    if (over_i)      assume (!f_begun && f_quiet == 3'd0);       // silence is no character
     // The data stand until the next character ends, the byte to send until it was taken.
     if (!char_stb_i) assume ($stable(data_i));
     if ($past(valid_i) && !$past(ready_o)) assume (valid_i && $stable(frame_byte_i) && $stable(check_i) && $stable(last_i));
@@ -270,7 +275,7 @@ module modbus_ascii (
       end
       // A whole byte
       if (char_stb_i && receiving_i) assert (whole_o == (f_data && f_odd) && half_o == f_data);
-      if (f_whole && !f_wrong) assert (byte_o == f_byte);
+      if (f_whole && !f_wrong && receiving_i) assert (byte_o == f_byte);
       // A frame is good only if each character was allowed, CR and the delimiter end it, and the LRC is right.
       if (receiving_i && t35_o && check_ok_o) assert (f_ended && !f_wrong && !f_odd && f_sum == 8'd0);
       if (f_ended && receiving_i) assert (end_q || t35_o);
