@@ -15,8 +15,7 @@
 // | 40..7F  | event log, 40 the newest                                    | err   |
 // | 80      | address                                                     | yes   |
 // | 81      | bit time in clocks                                          | yes   |
-// | 82      | 1..0 format, MB_FORMAT_*; with ASCII_MODE = 1: 2 ASCII mode, 3 eight data bits in it, 7..4 further periods of | |
-// |         | its time-out                                                | yes   |
+// | 82      | 1..0 format, MB_FORMAT_*; with ASCII_MODE = 1: 2 ASCII mode, 3 eight bits in it, 5..4 MB_SET_ASCII_EXTRA | yes |
 // | 83      | options: 0 broadcast, 1 gap count only, 2 strict, 3 drop late | yes |
 // | 84      | response delay in bit times                                 | yes   |
 // | 85      | stall limit in bit times                                    | yes   |
@@ -143,7 +142,7 @@ module modbus_host_map #(
             ITEM_BIT_TIME:         set_q[`MB_SET_BIT_TIME]            <= host_dat_i;
             ITEM_FORMAT: begin
               set_q[`MB_SET_FORMAT] <= host_dat_i[1:0];
-              if (ASCII_MODE != 0) {set_q[`MB_SET_ASCII_EXTRA], set_q[`MB_SET_EIGHT_BITS], set_q[`MB_SET_ASCII]} <= host_dat_i[7:2];
+              if (ASCII_MODE != 0) {set_q[`MB_SET_ASCII_EXTRA], set_q[`MB_SET_EIGHT_BITS], set_q[`MB_SET_ASCII]} <= host_dat_i[5:2];
             end
             ITEM_OPTIONS:          set_q[OPTIONS +: 4]                <= host_dat_i[3:0];
             ITEM_DELAY:            set_q[`MB_SET_RESPONSE_DELAY]      <= host_dat_i[11:0];
@@ -173,14 +172,14 @@ module modbus_host_map #(
   // ------------------------------------------------------------------ reading
 
   // {further periods, eight bits, ASCII mode}
-  wire [5:0] ascii = (ASCII_MODE != 0) ? {set[`MB_SET_ASCII_EXTRA], set[`MB_SET_EIGHT_BITS], set[`MB_SET_ASCII]} : 6'd0;
+  wire [3:0] ascii = (ASCII_MODE != 0) ? {set[`MB_SET_ASCII_EXTRA], set[`MB_SET_EIGHT_BITS], set[`MB_SET_ASCII]} : 4'd0;
   reg [15:0] setting;
 
   always @* begin
     case (item)
       ITEM_ADDRESS:          setting = {8'd0, set[`MB_SET_ADDRESS]};
       ITEM_BIT_TIME:         setting = set[`MB_SET_BIT_TIME];
-      ITEM_FORMAT:           setting = {8'd0, ascii, set[`MB_SET_FORMAT]};
+      ITEM_FORMAT:           setting = {10'd0, ascii, set[`MB_SET_FORMAT]};
       ITEM_OPTIONS:          setting = {12'd0, set[OPTIONS +: 4]};
       ITEM_DELAY:            setting = {4'd0, set[`MB_SET_RESPONSE_DELAY]};
       ITEM_STALL:            setting = set[`MB_SET_STALL_LIMIT];

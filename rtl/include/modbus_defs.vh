@@ -121,11 +121,11 @@
 `define MB_SET_BIT_FRACTION   69:66    // sixteenths of a clock per bit beyond MB_SET_BIT_TIME, with BIT_FRACTIONS = 1
 `define MB_SET_ASCII          70       // 1: ASCII mode, 0: RTU; with ASCII_MODE = 1
 `define MB_SET_EIGHT_BITS     71       // ASCII mode: 1: characters of 8 bits, 0: of 7 bits
-`define MB_SET_ASCII_EXTRA    75:72    // ASCII mode: the time-out is so many ASCII_TIMEOUT_MS longer
-`define MB_SETTINGS_WIDTH     76
+`define MB_SET_ASCII_EXTRA    73:72    // ASCII mode: the time-out is at least so many ASCII_TIMEOUT_MS longer
+`define MB_SETTINGS_WIDTH     74
 // A settings_i with the usual options: broadcast obeyed, driver lead of one bit, all others off
 `define MB_LINE_SETTINGS(address, bit_time, format) \
-  {6'd0, 4'd0, 4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
+  {4'd0, 4'd0, 4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
 
 // State of the host: fields of host_state_i
 `define MB_HOST_BUSY             0

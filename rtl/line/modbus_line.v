@@ -134,8 +134,8 @@ module modbus_line #(
 
   // One wait counter: the waits of an answer follow the bank's, and those the silences inside a frame of ASCII mode.
   wire        counts_silence = ascii & rx_active_o;
-  wire [3:0]  extra          = settings_i[`MB_SET_ASCII_EXTRA];
-  wire [15:0] timeout        = TICKS[15:0] | ({12'd0, extra} << EXTRA_AT);
+  wire [1:0]  extra          = settings_i[`MB_SET_ASCII_EXTRA];
+  wire [15:0] timeout        = TICKS[15:0] | ({14'd0, extra} << EXTRA_AT);
   modbus_line_timer #(
     .MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS), .T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS),
     .TICK_BITS((ASCII_MODE != 0) ? TICK_BITS : 0)
