@@ -41,6 +41,22 @@ def crc(data: bytes) -> bytes:
     return struct.pack("<H", value)
 
 
+def ascii_frame(data: bytes) -> bytes:
+    """Address and PDU as a frame of ASCII mode."""
+    return b":" + (data + bytes([-sum(data) & 0xFF])).hex().upper().encode() + b"\r\n"
+
+
+def of_ascii(frame: bytes) -> bytes:
+    """Address and PDU of a frame of ASCII mode; empty if it is none."""
+    if frame[:1] != b":" or frame[-2:] != b"\r\n":
+        return b""
+    try:
+        data = bytes.fromhex(frame[1:-2].decode("ascii"))
+    except ValueError:
+        return b""
+    return b"" if sum(data) & 0xFF else data[:-1]
+
+
 def request_length(frame: bytes) -> int | None:
     """Bytes of the request that `frame` begins with; None if that cannot be told yet, or at all."""
     if len(frame) < 2:
@@ -64,7 +80,13 @@ class Gateway:
         self.connections: set[asyncio.Task[None]] = set()
 
     async def ask(self, frame: bytes) -> bytes:
-        """What the line answers to a frame; empty for silence."""
+        """What the line answers to a frame of RTU mode; empty for silence."""
+        if self.link.hello["mode"] == "ascii":
+            if crc(frame[:-2]) != frame[-2:]:
+                return b""
+            reply = await self.link.call("send", ascii_frame(frame[:-2]).hex())
+            said = of_ascii(bytes.fromhex(reply["answer"]))
+            return said + crc(said) if said else b""
         reply = await self.link.call("send", frame.hex())
         return bytes.fromhex(reply["answer"])
 
