@@ -3,6 +3,7 @@
 rtl/line/modbus_sync.v
 rtl/line/modbus_glitch_filter.v
 rtl/line/modbus_bit_clock.v
+rtl/line/modbus_ascii.v
 rtl/line/modbus_uart.v
 rtl/line/modbus_line_timer.v
 rtl/line/modbus_crc16.v

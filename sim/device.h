@@ -27,7 +27,9 @@ constexpr double FLOOR_RATE = 19200;      // above, t1.5 and t3.5 are fixed: MOD
 constexpr unsigned T15_FLOOR_US = 750, T35_FLOOR_US = 1750;
 constexpr double GIVE_UP_S = 50e-3;       // further behind than this, lost time is not caught up
 constexpr size_t LONGEST_FRAME = 256;
-constexpr size_t QUEUE_LIMIT = 512;       // a client that sends more than the line carries loses it
+constexpr size_t LONGEST_ASCII = 513;
+constexpr size_t QUEUE_LIMIT = 1026;      // a client that sends more than the line carries loses it
+constexpr unsigned ASCII = 8;             // of a format code, beside those of line.h
 constexpr size_t SENDS_LIMIT = 256;       // requests of the control server that wait
 constexpr int READS_AT_ONCE = 16;         // of 4 KB: what the kernel keeps for one terminal
 constexpr unsigned SETTLE_CLOCKS = 256;   // a core at rest may still clear its counters
@@ -87,7 +89,7 @@ class Device {
   // Nothing moves and nothing is left to do.
   bool idle() const {
     return queue_.empty() && sends_.empty() && !sending_ && jobs_.empty() && held_.empty() && !wave_.busy() &&
-           !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + t35_ && at_rest();
+           !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + t35_ && at_rest() && !receiving();
   }
   bool full() const { return queue_.size() >= QUEUE_LIMIT; }
 
@@ -100,8 +102,8 @@ class Device {
     for (const Character &character : characters) {
       last_byte_s_ = now;
       if (full()) break;
-      // A real line would have been silent before this byte: a frame of its own, even if the simulation lags.
-      const bool first = now > carried_s_ + double(t35_) * clock_s;
+      // A real line would have been silent for t1.5 before this byte: a frame of its own, even if the simulation lags.
+      const bool first = now > carried_s_ + double(t15_) * clock_s;
       carried_s_ = std::max(carried_s_, now) + character_ * clock_s;
       queue_.push_back({character.data, character.bad, first, client_});
       ++taken_;
@@ -121,7 +123,7 @@ class Device {
       }
     endpoint_.reset(!returned);
     const auto old = [this](const Byte &byte) { return byte.owner < client_; };  // not the server's
-    if (size_t(std::count_if(queue_.begin(), queue_.end(), old)) > LONGEST_FRAME)
+    if (size_t(std::count_if(queue_.begin(), queue_.end(), old)) > (ascii() ? LONGEST_ASCII : LONGEST_FRAME))
       queue_.erase(std::remove_if(queue_.begin(), queue_.end(), old), queue_.end());
     if (queue_.empty()) collecting_ = false;
   }
@@ -159,6 +161,7 @@ class Device {
 
   // What can be done now takes no time: do not sleep.
   bool free_time() const {
+    if (receiving()) return false;
     if (faulty_answer_ && driven_) return true;
     if (silence() < hold_ || wave_.busy() || reply_.busy()) return false;
     if (at_rest()) return !jobs_.empty() || (queue_.empty() && sends_.empty() && !idle());
@@ -221,6 +224,14 @@ class Device {
       if (slave->working() || slave->driving()) return false;
     return true;
   }
+
+  // Inside a frame of ASCII mode.
+  bool receiving() const {
+    for (const auto &slave : slaves_)
+      if (slave->receiving()) return true;
+    return false;
+  }
+  bool ascii() const { return options_.format & ASCII; }
 
   void anchor(double now) {
     anchor_s_ = now;
@@ -318,7 +329,7 @@ class Device {
       frame.wrong.back().parity = queue_.front().bad;
       queue_.pop_front();
     }
-    for (const Fault &fault : picked_) apply(fault, format_, frame);
+    for (const Fault &fault : picked_) apply(fault, format_, ascii(), frame);
     collecting_ = false;
     std::vector<Piece> other;
     if (!frame.lost) wave_.append(pieces_of(frame, format_, dice_, other));
@@ -379,7 +390,7 @@ class Device {
     frame.bytes = answer_bytes_;
     frame.wrong.resize(frame.bytes.size());
     for (const Fault &fault : picked_)
-      if (fault.kind != "echo") apply(fault, format_, frame);
+      if (fault.kind != "echo") apply(fault, format_, ascii(), frame);
     reply_injected_ = frame.injected;
     reply_bytes_.clear();
     reply_faults_.clear();
@@ -470,10 +481,18 @@ class Device {
     for (const auto &error : errors)
       if (strobes >> error.event & 1) return error.text;
     if (!(strobes >> kFrame & 1)) return "not heard";
-    const unsigned address = request_.bytes.empty() ? 0 : request_.bytes[0];
+    const unsigned address = ascii() ? ascii_address() : request_.bytes.empty() ? 0 : request_.bytes[0];
     if (address && address != slave.address()) return "other address";
     if (slave.pins().listen_only_o) return "listen-only";
     return address ? "no answer" : "broadcast";
+  }
+
+  // The address of a good frame in ASCII mode
+  unsigned ascii_address() const {
+    const auto colon = std::find(request_.bytes.rbegin(), request_.bytes.rend(), uint8_t(':'));
+    if (colon - request_.bytes.rbegin() < 2) return 0;
+    const std::string digits(colon.base(), colon.base() + 2);
+    return unsigned(strtoul(digits.c_str(), nullptr, 16));
   }
 
   // The line is silent and no core is at work: nothing more will come of the last request.
@@ -556,7 +575,7 @@ class Device {
   void write_log(const Logged &frame, const char *direction, const Slave *slave) {
     Json json;
     json.add("event", "frame").add("n", frame.number).add("direction", direction).add("time", frame.time)
-        .add("cycle", frame.begin).add("end", cycle_).add("bytes", hex(frame.bytes))
+        .add("cycle", frame.begin).add("end", slave ? cycle_ : last_activity_).add("bytes", hex(frame.bytes))
         .raw("starts", Json::list(frame.starts)).raw("faults", "[" + frame.faults + "]")
         .raw("injected", Json::texts(frame.injected)).add("source", of_server(playing_) ? "send" : "client");
     if (slave) json.add("slave", slave->address()).add("to", frame.number).add("late_ms", 1000 * lag_s(wall_s()));
@@ -568,8 +587,8 @@ class Device {
     std::vector<unsigned> addresses;
     for (const auto &slave : slaves_) addresses.push_back(slave->address());
     control_.event(Json().add("event", "hello").add("protocol", 1).add("clock_hz", uint64_t(clock_hz_))
-                       .add("bit_time", options_.bit_time).add("baud", options_.baud).add("format", options_.format)
-                       .add("mode", "rtu").add("t15", t15_).add("t35", t35_).raw("slaves", Json::list(addresses))
+                       .add("bit_time", options_.bit_time).add("baud", options_.baud).add("format", options_.format & FORMAT_BITS)
+                       .add("data_bits", unsigned(format_.data)).add("mode", ascii() ? "ascii" : "rtu").add("t15", t15_).add("t35", t35_).raw("slaves", Json::list(addresses))
                        .add("link", options_.port.empty() ? options_.link : options_.port));
   }
 
@@ -814,7 +833,9 @@ class Device {
       pins.rxd_i = 1;
       pins.address_i = slave->address();
       pins.bit_time_i = options_.bit_time;
-      pins.format_i = options_.format;
+      pins.format_i = options_.format & FORMAT_BITS;
+      pins.ascii_i = ascii();
+      pins.eight_bits_i = !(options_.format & SEVEN_BITS);
       pins.busy_i = options_.busy;
       pins.failure_i = options_.failure;
       pins.exception_status_i = options_.exception_status;
@@ -857,7 +878,7 @@ class Device {
     trace_ = fopen(options_.trace.c_str(), "w");
     if (!trace_) fail_errno(options_.trace);
     fprintf(trace_, "# clock_hz %" PRIu64 " bit_time %u format %u t35 %" PRIu64 "\n# cycle rxd txd de\n",
-            uint64_t(clock_hz_), options_.bit_time, options_.format, t35_);
+            uint64_t(clock_hz_), options_.bit_time, options_.format & FORMAT_BITS, t35_);
   }
 
   void trace_pins(bool rxd) {

@@ -49,6 +49,8 @@ module modbus_live #(
   always @* begin
     settings = `MB_LINE_SETTINGS(address_q, bit_time_q, format_q);
     settings[`MB_SET_DE_LEAD] = 4'd0;
+    settings[`MB_SET_ASCII]   = ascii_q;
+    settings[`MB_SET_EIGHT_BITS] = eight_bits_q;
   end
 
   assign host_state[`MB_HOST_BUSY]             = busy_q;
@@ -69,7 +71,7 @@ module modbus_live #(
 
   // Settings and state come from the bridge as they are.
   // verilator lint_off PINCONNECTEMPTY
-  modbus_host_map #(.HOST_SETTINGS(0), .BIT_FRACTIONS(BIT_FRACTIONS)) u_host_map (
+  modbus_host_map #(.HOST_SETTINGS(0), .BIT_FRACTIONS(BIT_FRACTIONS), .ASCII_MODE(ASCII_MODE)) u_host_map (
     .clk_i(clk_i), .rst_i(rst_q), .host_cyc_i(host_cyc_q), .host_stb_i(host_stb_q), .host_we_i(host_we_q),
     .host_adr_i(host_adr_q), .host_dat_i(host_dat_q), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o),
     .host_err_o(host_err_o), .bank_cyc_o(bank_cyc), .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr),
@@ -87,7 +89,7 @@ module modbus_live #(
     .host_state_i(host_state), .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr),
     .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(status_stb), .status_adr_i(status_adr),
     .status_dat_o(status_read), .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(events_o), .alive_o(),
-    .rx_active_o(), .listen_only_o(listen_only_o), .idle_o(idle_o),
+    .rx_active_o(rx_active_o), .listen_only_o(listen_only_o), .idle_o(idle_o),
 `include "modbus_bank_core_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY

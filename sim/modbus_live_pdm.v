@@ -65,7 +65,7 @@ module modbus_live_pdm #(
     .event_ms_i(ms_q), .event_minute_i(clock_q[15:8]), .event_hour_i(clock_q[7:0]), .event_day_i(date_q[15:8]),
     .event_month_i(date_q[7:0]), .event_year_i(host_dat_q[7:0]), .event_ack_o(event_ack), .write_stb_o(write_stb_o),
     .write_space_o(write_space_o), .write_first_o(write_first_o), .write_last_o(write_last_o), .alive_o(),
-    .rx_active_o(), .frame_stb_o(events_o[`MB_EVENT_FRAME]), .err_parity_o(events_o[`MB_EVENT_PARITY]),
+    .rx_active_o(rx_active_o), .frame_stb_o(events_o[`MB_EVENT_FRAME]), .err_parity_o(events_o[`MB_EVENT_PARITY]),
     .err_framing_o(events_o[`MB_EVENT_FRAMING]), .err_overrun_o(events_o[`MB_EVENT_OVERRUN]),
     .err_crc_o(events_o[`MB_EVENT_CRC]), .err_short_o(events_o[`MB_EVENT_SHORT]),
     .err_long_o(events_o[`MB_EVENT_LONG]), .err_gap_o(events_o[`MB_EVENT_GAP])

@@ -22,6 +22,8 @@
   input  wire [7:0]  address_i,
   input  wire [15:0] bit_time_i,
   input  wire [1:0]  format_i,
+  input  wire        ascii_i,
+  input  wire        eight_bits_i,
   input  wire        busy_i,
   input  wire [3:0]  failure_i,
   input  wire [7:0]  exception_status_i,
@@ -47,6 +49,7 @@
   output wire [15:0] write_last_o,
   output wire [15:0] write_file_o,
   output wire        listen_only_o,
+  output wire        rx_active_o,
   output wire        idle_o
 );
 
@@ -55,6 +58,8 @@
   reg  [7:0]  address_q  = 8'd0;
   reg  [15:0] bit_time_q = 16'd8;
   reg  [1:0]  format_q   = 2'd0;
+  reg         ascii_q    = 1'b0;
+  reg         eight_bits_q = 1'b0;
   reg         busy_q     = 1'b0;
   reg  [3:0]  failure_q  = 4'd0;
   reg  [7:0]  exception_status_q = 8'd0;
@@ -74,6 +79,8 @@
     address_q  <= address_i;
     bit_time_q <= bit_time_i;
     format_q   <= format_i;
+    ascii_q    <= ascii_i;
+    eight_bits_q <= eight_bits_i;
     busy_q     <= busy_i;
     failure_q  <= failure_i;
     exception_status_q <= exception_status_i;

@@ -41,6 +41,7 @@ ADDRESSES = range(1, 248)
 ITEMS = len(WORDS)  # a table, or all files together, can have
 
 RECORDS = 10_000  # a file can have
+SEVEN_BITS, ASCII = 4, 8  # of the format code that the bridge takes, see line.h and device.h
 FORMATS = {("even", 1): 0, ("odd", 1): 1, ("none", 2): 2, ("none", 1): 3}
 
 # DEVICE: top module and its parameters
@@ -60,6 +61,8 @@ DEFAULTS = {
     "BAUD": "19200",
     "PARITY": "even",
     "STOP": "",
+    "MODE": "rtu",
+    "DATA_BITS": "",
     "INIT": "",
     "MAP": "",
     "TRACE": "",
@@ -78,9 +81,10 @@ NOT_FOR_PEOPLE = ("CONTROL_FD", "GIVEN", "DIE_WITH_PARENT")
 SERVER_VARIABLES = variables.NAMES
 # What people write instead
 MISTAKEN = {
-    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE": "SLAVES", "SLAVE_ID": "ADDRESS",
-    "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP", "STOP_BITS": "STOP",
-    "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT", "HTTP": "WEB", "MODBUS_TCP": "TCP",
+    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE_ID": "ADDRESS",
+    "SLAVE": "SLAVES", "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP",
+    "STOP_BITS": "STOP", "INITIAL": "INIT", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT",
+    "HTTP": "WEB", "MODBUS_TCP": "TCP", "BITS": "DATA_BITS", "DATABITS": "DATA_BITS",
 }  # fmt: skip
 MOST_SLAVES = 32  # on one line without a repeater, MODBUS over Serial Line V1.02 3.4.1
 HOLD_MS = range(10_001)
@@ -104,6 +108,19 @@ def character_format(parity, stop):
     if (parity, stops) not in FORMATS:
         raise BadVariable(f"STOP=2: a character with {parity} parity has 1 stop bit")
     return FORMATS[parity, stops]
+
+
+def mode_code(mode, bits):
+    """Bits of the format code for MODE and DATA_BITS."""
+    if mode not in ("rtu", "ascii"):
+        raise BadVariable(f"MODE={mode}: must be rtu or ascii")
+    if bits not in ("", "7", "8"):
+        raise BadVariable(f"DATA_BITS={bits}: must be 7 or 8")
+    if mode == "rtu":
+        if bits == "7":
+            raise BadVariable("DATA_BITS=7: RTU mode has characters of 8 bits")
+        return 0
+    return ASCII | (0 if bits == "8" else SEVEN_BITS)
 
 
 def slave_addresses(text):
@@ -291,6 +308,8 @@ class Settings:
     format: int
     parity: str
     stop: int
+    ascii: bool = False
+    data_bits: int = 8
 
     @property
     def bit_clocks(self):
@@ -301,22 +320,29 @@ class Settings:
         """Of the model; not exact: as models of other rates may have it too."""
         return self.bit_clocks * (self.baud if exact else max(self.baud, SLOW))
 
+    @property
+    def code(self):
+        """Format code that the bridge takes."""
+        return self.format | ASCII * self.ascii | SEVEN_BITS * (self.data_bits == 7)
+
     def options(self):
         """Of the bridge."""
         return [
-            *("--baud", str(self.baud), "--bit-time", str(self.bit_clocks), "--format", str(self.format)),
+            *("--baud", str(self.baud), "--bit-time", str(self.bit_clocks), "--format", str(self.code)),
             *("--slaves", ",".join(map(str, self.slaves))),
         ]
 
 
 def settings(values):
-    """ADDRESS or SLAVES, BAUD, PARITY and STOP."""
+    """ADDRESS or SLAVES, BAUD, PARITY, STOP, MODE and DATA_BITS."""
     slaves = [number("ADDRESS", values["ADDRESS"], ADDRESSES)]
     if values["SLAVES"]:
         slaves = slave_addresses(values["SLAVES"])
     code = character_format(values["PARITY"], values["STOP"])
     stop = next(stop for (_, stop), other in FORMATS.items() if other == code)
-    return Settings(slaves, number("BAUD", values["BAUD"], BAUDS), code, values["PARITY"], stop)
+    mode = mode_code(values["MODE"], values["DATA_BITS"])
+    baud = number("BAUD", values["BAUD"], BAUDS)
+    return Settings(slaves, baud, code, values["PARITY"], stop, bool(mode & ASCII), 7 if mode & SEVEN_BITS else 8)
 
 
 @dataclass
@@ -333,7 +359,8 @@ def line_facts(line, tables, files, map_facts=None):
     """What the control server is told of the device."""
     return {
         "address": line.slaves[0], "slaves": line.slaves, "baud": line.baud, "parity": line.parity, "stop": line.stop,
-        "mode": "rtu", "tables": tables, "files": files, "map": map_facts,
+        "mode": "ascii" if line.ascii else "rtu", "data_bits": line.data_bits,
+        "tables": tables, "files": files, "map": map_facts,
     }  # fmt: skip
 
 
@@ -351,8 +378,11 @@ def of_tables(values):
         except BadVariable as error:
             raise BadVariable(f"INIT={values['INIT']}: {error}") from None
     top, model = DEVICES[device]
-    timed = device == "user" or bool(values["PARAMETERS"])  # something in it counts clocks
+    if line.ascii and device == "pdm":
+        raise BadVariable("MODE=ascii: the PDM meter has RTU mode alone, leave DEVICE=pdm out")
+    timed = device == "user" or bool(values["PARAMETERS"]) or line.ascii  # something in it counts clocks
     model = {"CLK_HZ": line.clock_hz(exact=timed)} | model | table_parameters(place) | initial.parameters
+    model |= {"ASCII_MODE": 1} if line.ascii else {}
     model |= parameters(values["PARAMETERS"])
     files, folders = filelist.read(ROOT, *filelist.ALL)
     files = [*(ROOT / name for name in files), ROOT / "sim" / f"{top}.v"]
@@ -371,6 +401,8 @@ def of_map(named):
     for name in ("DEVICE", "PARAMETERS"):
         if name in named:
             raise BadVariable(f"{name}: a map file is a device of its own, leave {name} out")
+    if named.get("MODE", "rtu") != "rtu" or "DATA_BITS" in named:
+        raise BadVariable("MODE: a device of a map file has RTU mode alone, leave MODE and DATA_BITS out")
     with map_device.built(named["MAP"], named.get("INIT", "")) as made:
         baud = made.facts["line"]["baud"]
         try:

@@ -38,7 +38,9 @@ class Slave {
   const Vmodel &pins() const { return top_; }
   LineMonitor &monitor() { return monitor_; }
   unsigned address() const { return address_; }
-  bool working() const { return !top_.idle_o; }
+  bool working() const { return !top_.idle_o && !receiving(); }
+  // Inside a frame of ASCII mode, which may be silent for long
+  bool receiving() const { return top_.ascii_i && top_.rx_active_o; }
   bool driving() const { return top_.de_o; }
 
   // Strobes since the last request was judged, and all of them counted.

@@ -63,7 +63,8 @@ module modbus_engine #(
     .FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES), .MAX_READ_BITS(MAX_READ_BITS),
     .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
-    .CHECK_WRITES(CHECK_WRITES), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
+    .CHECK_WRITES(CHECK_WRITES), .ASCII_MODE(ASCII_MODE), .SERVER_ID_BYTES(SERVER_ID_BYTES),
+    .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
   ) u_program (.clk_i(clk_i), .at_i(at), .step_o(step), .entries_o(entries));
 
   modbus_sequencer #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_sequencer (
@@ -134,7 +135,7 @@ module modbus_engine #(
     .point_i(line_points | ram_do[`MB_DO_POINT]), .point_at_i(line_points ? 5'd0 : argument[`MB_ARG_PLACE]),
     .step_i(store | ram_do_i[`MB_RAM_NEXT] | ram_do[`MB_DO_STEP] | burst_put | burst_step | user_put),
     .clear_i(ram_do_i[`MB_RAM_OPEN] | ram_do[`MB_DO_CLEAR]),
-    .up_i(store | ram_do[`MB_DO_UP] | burst_put | user_put),
+    .up_i(store | ram_do_i[`MB_RAM_UP] | ram_do[`MB_DO_UP] | burst_put | user_put),
     .down_i(ram_do_i[`MB_RAM_NEXT] | ram_do[`MB_DO_DOWN] | burst_step),
     .keep_i(ram_do[`MB_DO_SAVE]), .recall_i(ram_do[`MB_DO_RECALL]), .peek_i(user_req_o), .peek_at_i(user_adr_i),
     .write_i(store | ram_do[`MB_DO_PUT] | burst_put | user_put),

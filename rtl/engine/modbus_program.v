@@ -26,6 +26,7 @@ module modbus_program #(
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
   parameter integer CHECK_WRITES        = 0,             // 1: a checking pass before every write of coils and registers
+  parameter integer ASCII_MODE          = 0,             // 1: 08H sets the delimiter of ASCII mode
   parameter integer SERVER_ID_BYTES     = 1,             // function code 11H
   parameter integer ADDITIONAL_DATA_BYTES = 0,
   parameter [7:0]   CONFORMITY          = 8'h81          // function code 2BH

@@ -46,6 +46,10 @@
   `DO(SKIP_BYTE)
   `DO(MATCH(8'h00, `MB_EX_ILLEGAL_DATA_VALUE))
   `DO(END)
+  if (ASCII_MODE != 0) begin
+    `DO(POINT(AT_WORD))
+    `DO(MODE(DELIMITER))
+  end
   `DO(GO(ECHO))
 `END_ROUTINE
 

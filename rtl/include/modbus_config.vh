@@ -14,6 +14,8 @@
   parameter integer MAX_BIT_TIME        = 65535,         // clocks per bit at the slowest rate; what is lower takes fewer cells
   parameter integer BIT_FRACTIONS       = 0,             // 1: a bit may last a sixteenth of a clock more or less
   parameter integer GLITCH_FILTER       = 0,             // clocks: a shorter pulse on rxd_i is not seen, 0..255
+  parameter integer ASCII_MODE          = 0,             // 1: ASCII mode is built in, chosen by MB_SET_ASCII
+  parameter integer ASCII_TIMEOUT_MS    = 1000,          // longest silence inside a frame of ASCII mode, in milliseconds
   parameter [127:0] FUNCTION_CODES      = `MB_ALL_FUNCTIONS,  // bit n: function code n is built in
   parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user first
   parameter integer MAX_READ_BITS       = 2000,          // 1..2000

@@ -73,7 +73,7 @@ package modbus_pkg is
   constant MB_FORMAT_8N1 : std_logic_vector(1 downto 0) := "11";
 
   -- settings_i
-  constant MB_SETTINGS_WIDTH : natural := 70;
+  constant MB_SETTINGS_WIDTH : natural := 74;
   subtype mb_settings_vector is std_logic_vector(MB_SETTINGS_WIDTH - 1 downto 0);
   function mb_settings (
     address        : std_logic_vector(7 downto 0);
@@ -87,7 +87,10 @@ package modbus_pkg is
     stall_limit    : std_logic_vector(15 downto 0) := x"0000";
     de_lead        : std_logic_vector(3 downto 0)  := x"1";
     de_tail        : std_logic_vector(3 downto 0)  := x"0";
-    bit_fraction   : std_logic_vector(3 downto 0)  := x"0"
+    bit_fraction   : std_logic_vector(3 downto 0)  := x"0";
+    ascii          : std_logic                     := '0';
+    eight_bits     : std_logic                     := '0';
+    ascii_extra    : std_logic_vector(1 downto 0)  := "00"
   ) return mb_settings_vector;
 
   -- host_state_i
@@ -148,6 +151,9 @@ package modbus_pkg is
       STALL_LIMIT           : natural                         := 0;
       DE_LEAD               : natural                         := 1;
       DE_TAIL               : natural                         := 0;
+      ASCII                 : natural                         := 0;
+      ASCII_DATA_BITS       : natural                         := 7;
+      ASCII_EXTRA           : natural                         := 0;
       COIL_BASE             : natural                         := 0;
       COIL_COUNT            : natural                         := 16;
       DISCRETE_BASE         : natural                         := 0;
@@ -167,6 +173,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      ASCII_MODE            : natural                         := 0;
+      ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -223,6 +231,9 @@ package modbus_pkg is
       STALL_LIMIT           : natural                         := 0;
       DE_LEAD               : natural                         := 1;
       DE_TAIL               : natural                         := 0;
+      ASCII                 : natural                         := 0;
+      ASCII_DATA_BITS       : natural                         := 7;
+      ASCII_EXTRA           : natural                         := 0;
       COIL_BASE             : natural                         := 0;
       COIL_COUNT            : natural                         := 64;
       DISCRETE_BASE         : natural                         := 0;
@@ -242,6 +253,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      ASCII_MODE            : natural                         := 0;
+      ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -298,6 +311,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      ASCII_MODE            : natural                         := 0;
+      ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -477,10 +492,13 @@ package body modbus_pkg is
     stall_limit    : std_logic_vector(15 downto 0) := x"0000";
     de_lead        : std_logic_vector(3 downto 0)  := x"1";
     de_tail        : std_logic_vector(3 downto 0)  := x"0";
-    bit_fraction   : std_logic_vector(3 downto 0)  := x"0"
+    bit_fraction   : std_logic_vector(3 downto 0)  := x"0";
+    ascii          : std_logic                     := '0';
+    eight_bits     : std_logic                     := '0';
+    ascii_extra    : std_logic_vector(1 downto 0)  := "00"
   ) return mb_settings_vector is
   begin
-    return bit_fraction & de_tail & de_lead & stall_limit & response_delay & drop_late & strict & gap_count_only & broadcast
+    return ascii_extra & eight_bits & ascii & bit_fraction & de_tail & de_lead & stall_limit & response_delay & drop_late & strict & gap_count_only & broadcast
       & format & bit_time & address;
   end function;
 

@@ -12,9 +12,9 @@ from collections import Counter
 import pytest
 from harness import build
 from harness.build import NO_FLOORS, config_parameters, model_config, table_parameters
-from harness.traffic import Traffic
+from harness.traffic import AsciiTraffic, Traffic
 from harness.volume import volume
-from protocol.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
+from protocol.defs import ALL_FUNCTIONS, ASCII_FORMATS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from protocol.frames import adu, text
 from protocol.model import Slave, characters
 
@@ -47,10 +47,18 @@ MAPS = {
             }
         ),
     },
+    "ascii": {
+        **NO_FLOORS,
+        **table_parameters(dict.fromkeys(list(Space)[:4], (0, 300))),
+        **config_parameters({"files": (3, 100), "user_codes": {FC.READ_HOLDINGS, 65}}),
+        "ASCII_MODE": 1,
+        "CLK_HZ": 1_000_000,
+        "ASCII_TIMEOUT_MS": 2,
+    },
     "whole": {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))},
     "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
 }
-SHARE = {"mapped": 0.6, "whole": 0.2, "overlaid": 0.2}
+SHARE = {"mapped": 0.5, "whole": 0.15, "overlaid": 0.15, "ascii": 0.2}
 SETTINGS_EVERY, COMPARE_EVERY, WHOLE_COMPARE_EVERY = 40, 250, 5_000
 COUNTERS_EVERY, RESET_EVERY = 7, 3_000
 BAD_EVENTS = {0x82, 0x92, 0xA2, 0xB2}  # in the event log
@@ -67,7 +75,8 @@ class Match:
         self.device = Device(library(parameters))
         self.parameters = parameters
         self.slave.user = user_answer
-        self.traffic = Traffic(self.rng, self.slave.config, self.slave)
+        self.ascii = bool(parameters.get("ASCII_MODE"))
+        self.traffic = (AsciiTraffic if self.ascii else Traffic)(self.rng, self.slave.config, self.slave)
         self.kinds, self.latest = Counter(), 0
         self.inputs, self.offset, self.touched = {}, 0.0, set()
         self.settings()
@@ -82,6 +91,8 @@ class Match:
         """Other run-time inputs."""
         rng, config = self.rng, self.slave.config
         self.fmt = rng.choice((F8E1, F8E1, F8O1, F8N2, F8N1))
+        if self.ascii:
+            self.fmt = rng.choice(list(ASCII_FORMATS.values()))
         self.bit_time = rng.choice((8, 8, 8, 9, 11, 16, 23))
         config.address = rng.choice((1, 17, 17, 17, 247, rng.randint(1, 247)))
         config.broadcast = rng.random() < 0.8
@@ -95,9 +106,14 @@ class Match:
             "de_lead": rng.choice((0, 0, 1, 7)),
             "de_tail": rng.choice((0, 0, 1)),
             "stall_limit": rng.choice((0, 0, 100)),  # the user may take 560 clocks
+            "ascii": int(self.ascii),
         }
+        if self.ascii:  # the frame that a fault has left open
+            self.device.idle(1.1 * build.ascii_timeout(self.parameters))
+            self.slave.fall_silent()
         self.momentary()
         _, self.t35 = build.silences(self.parameters, self.fmt, self.bit_time)
+        config.timeout = build.ascii_timeout(self.parameters) / (self.fmt.length * self.bit_time)
         self.device.idle(2 * self.t35)
 
     def momentary(self):
@@ -123,14 +139,14 @@ class Match:
 
     def step(self):
         """One line of traffic to both."""
-        if self.rng.random() < 0.02:
+        if self.rng.random() < 0.02 and not self.ascii:
             self.noise()
         self.momentary()
         line, kind = self.traffic.line()
         if self.fmt.parity is None:
             line = [(c.byte, c.gap, None if c.error == "parity" else c.error) for c in characters(line)]
         self.kinds[kind] += 1
-        expected = self.slave.request(line)
+        expected = (self.slave.hear if self.ascii else self.slave.request)(line)
         self.touched |= self.slave.touched
         patience = self.t35 + (PROCESSING_CLOCKS if expected else 16 * self.bit_time + 64)
         patience += (self.inputs["response_delay"] + self.inputs["de_lead"]) * self.bit_time
@@ -169,7 +185,7 @@ class Match:
         assert seen.writes == self.slave.written, f"{shown}: expected writes {self.slave.written}, seen {seen.writes}"
         if expected:
             # a slow sender's stop bit ends later than the receiver thinks
-            early = self.t35 + self.inputs["response_delay"] * self.bit_time - 0.5 * self.bit_time
+            early = (0 if self.ascii else self.t35) + self.inputs["response_delay"] * self.bit_time - 0.5 * self.bit_time
             assert seen.latency >= early, f"{shown}: answered {seen.latency} clocks after the request"
             lead, tail = self.inputs["de_lead"], self.inputs["de_tail"]
             assert lead <= seen.lead / self.bit_time <= lead + 1, f"{shown}: de leads {seen.lead} clocks"

@@ -42,7 +42,9 @@ class Controlled(Serve):
     def _read(self, deadline):
         """Messages that have come; waits for one until the deadline."""
         left = deadline - time.monotonic()
-        assert left > 0 and select.select([self.channel], [], [], left)[0], f"nothing came: {self.events[-3:]}"
+        assert left > 0 and select.select([self.channel], [], [], left)[0], (
+            f"nothing came: {[e.get('event') for e in self.events][-5:]}"
+        )
         data = self.channel.recv(1 << 20)
         assert data, f"the bridge has ended: {self.stderr()}"
         *lines, self.rest = (self.rest + data).split(b"\n")

@@ -41,7 +41,9 @@ def device(folder):
 def raw(file):
     """Settings of a master: raw, no waiting. The ones before."""
     before = termios.tcgetattr(file)
-    termios.tcsetattr(file, termios.TCSANOW, [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, *before[4:6], [b"\0"] * 32])
+    termios.tcsetattr(
+        file, termios.TCSANOW, [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, *before[4:6], [b"\0"] * 32]
+    )
     return before
 
 
@@ -261,7 +263,9 @@ def test_many_devices_side_by_side(folder, record_property):
             worker.join()
     asked, lost = (sum(f[i] for f in figures) for i in (0, 1))
     median = statistics.median([late for f in figures for late in f[2]])
-    said = f"live: {count} devices, {asked} requests in {seconds} s, {lost} lost, median {median:.2f} ms beyond line time"
+    said = (
+        f"live: {count} devices, {asked} requests in {seconds} s, {lost} lost, median {median:.2f} ms beyond line time"
+    )
     record_property("figures", [said])
     assert lost == 0, said
 
@@ -279,15 +283,12 @@ def test_soak_by_two_masters_in_turn(folder, record_property):
                     errors.append(asked)
                 asked += 1
             stack.close()
+            read, wanted = request(frames.read(FC.READ_HOLDINGS, (asked - 1) & 1023, 1)), request(b"\x03\x02\0\x18")
             for _ in range(5):
                 with Port(running.link) as other:
-                    read = request(frames.read(FC.READ_HOLDINGS, (asked - 1) & 1023, 1))
-                    wanted = request(bytes([3, 2, 0, 24]))
                     if other.ask(read, wanted) != wanted:
                         errors.append(-asked)
                 asked += 1
             port = stack.enter_context(Port(running.link))
     record_property("figures", [f"live: {len(errors)} errors in a soak of {asked} requests by two masters"])
     assert not errors, f"{len(errors)} of {asked}: {errors[:20]}"
-
-

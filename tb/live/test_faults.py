@@ -82,7 +82,8 @@ def test_broken_request_is_silence_and_one_communication_error(devices, fault, p
 
 
 @pytest.mark.parametrize("fault", ["glitch width=0.3", "glitch character=4 width=0.4", "jitter amount=0.2",
-                                   "rate amount=2", "rate amount=-2", f"gap character=2 amount={T15_CHARACTERS - 0.3}"])  # fmt: skip
+                                   "rate amount=2", "rate amount=-2",
+                                   f"gap character=2 amount={T15_CHARACTERS - 0.3}"])  # fmt: skip
 def test_request_within_the_limits_of_the_line_is_answered(device, fault):
     device.call("fault", "request", *fault.split())
     assert device.send(READ) == (ANSWER, "")

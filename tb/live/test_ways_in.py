@@ -49,7 +49,9 @@ def served(folder):
 @pytest.mark.parametrize("framer", [FramerType.SOCKET, FramerType.RTU])
 def test_pymodbus_by_tcp(served, framer):
     _, tcp, rtu = served
-    client = ModbusTcpClient("127.0.0.1", port=tcp if framer == FramerType.SOCKET else rtu, framer=framer, timeout=3, retries=0)
+    client = ModbusTcpClient(
+        "127.0.0.1", port=tcp if framer == FramerType.SOCKET else rtu, framer=framer, timeout=3, retries=0
+    )
     assert client.connect()
     try:
         for address in SLAVES:
@@ -97,7 +99,7 @@ def test_silent_slave_is_exception_0b_and_a_broadcast_is_silence(served):
 
 def test_many_connections_take_turns(served):
     """Requests of several masters at once: each gets its own answers."""
-    running, tcp, rtu = served
+    running, tcp, _ = served
     connections = [socket.create_connection(("127.0.0.1", tcp), 5) for _ in range(10)]
     with Port(running.link) as port:
         for number, connection in enumerate(connections):
@@ -111,7 +113,11 @@ def test_many_connections_take_turns(served):
             connection.close()
 
 
-RUBBISH = [b"\x00\x01\x00\x05\x00\x06\x11" + READ, b"\x00\x01\x00\x00\x00\x01\x11", b"\x00\x01\x00\x00\xff\xff\x11" + READ]
+RUBBISH = [
+    b"\x00\x01\x00\x05\x00\x06\x11" + READ,
+    b"\x00\x01\x00\x00\x00\x01\x11",
+    b"\x00\x01\x00\x00\xff\xff\x11" + READ,
+]
 
 
 @pytest.mark.parametrize("data", RUBBISH)

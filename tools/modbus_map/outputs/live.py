@@ -222,7 +222,7 @@ def wrapper(device: Device) -> str:
     lines += [
         "",
         "  // What the device does not bring out is taken from inside:",
-        *(f"  assign {name} = {core}.{name};" for name in ("events_o", "listen_only_o", "idle_o", "write_stb_o")),
+        *(f"  assign {name} = {core}.{name};" for name in ("events_o", "listen_only_o", "rx_active_o", "idle_o", "write_stb_o")),
         *(f"  assign write_{part}_o = {core}.grant_{part}_o;" for part in ("space", "first", "last", "file")),
     ]
     lines += [
