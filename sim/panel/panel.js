@@ -233,13 +233,12 @@ const Panel = (() => {
     const at = new Date(seconds * 1000), two = (n) => String(n).padStart(2, "0");
     return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}.${String(at.getMilliseconds()).padStart(3, "0")}`;
   };
-  const isException = (frame) => frame.direction === "answer" && parseInt(frame.hex.slice(3, 5), 16) > 127;
 
   const addFrame = (frame) => {
     const asks = frame.direction === "request";
     const words = element("div", { class: "words", text: frame.words });
     const tag = frame.injected ? [element("div", { class: "tag", text: Faults.inWords(frame.injected) })] : [];
-    const row = element("li", { role: "option", class: frame.direction + (isException(frame) ? " exception" : ""), "aria-selected": "false",
+    const row = element("li", { role: "option", class: frame.direction + (frame.exception ? " exception" : ""), "aria-selected": "false",
       id: `frame-${frame.n}`, "data-n": frame.n },
     element("time", { text: clockTime(frame.time) }),
     element("span", { class: "dir", text: asks ? "→" : "←", title: asks ? "from the master" : "from the slave" }),
@@ -487,7 +486,7 @@ const Panel = (() => {
       g.stroke();
       if (wide / data.length < 6) return;
       // The bits as sampled: S start, P parity, E end.
-      const parity = data.format[1] !== "N";
+      const parity = data.format[1] !== "N", last = Number(data.format[0]);
       for (let k = 0; k < data.length; ++k) {
         const middle = c.start + (k + 0.5) * data.bit_time, bit = levelAt(middle, c.pin);
         g.fillStyle = colour(c.pin === "rxd" ? "request" : "answer");
@@ -496,7 +495,7 @@ const Panel = (() => {
         g.fill();
         if (wide / data.length < 11) continue;
         g.fillStyle = colour("soft");
-        const name = k === 0 ? "S" : k < 9 ? String(bit) : parity && k === 9 ? `P${bit}` : bit ? "E" : "E!";
+        const name = k === 0 ? "S" : k <= last ? String(bit) : parity && k === last + 1 ? `P${bit}` : bit ? "E" : "E!";
         g.fillText(name, x(middle), y + swing + 12);
       }
     };
@@ -735,6 +734,12 @@ const Panel = (() => {
     }
     return [crc & 255, crc >> 8];
   };
+  // With its check field; in ASCII mode as characters.
+  const sealed = (bytes) => {
+    if (device.mode !== "ascii") return [...bytes, ...crcOf(bytes)];
+    const lrc = -bytes.reduce((sum, b) => sum + b, 0) & 255;
+    return [58, ...Array.from(hexText([...bytes, lrc]).replaceAll(" ", ""), (c) => c.charCodeAt(0)), 13, 10];
+  };
   const hexText = (bytes) => bytes.map((b) => b.toString(16).toUpperCase().padStart(2, "0")).join(" ");
   $("preset").append(...PRESETS.map(([text], i) => element("option", { value: i, text })));
   const preset = () => { $("hex").value = hexText(PRESETS[$("preset").value][1](Number($("slave").value) || device.address || 17)); };
@@ -743,7 +748,7 @@ const Panel = (() => {
     const text = $("hex").value.replace(/\s/g, "");
     if (!/^([0-9a-f]{2})+$/i.test(text)) return trouble("bytes: must be pairs of hexadecimal digits");
     const bytes = text.match(/../g).map((b) => parseInt(b, 16));
-    const got = await ask("send", { hex: hexText($("crc").checked ? [...bytes, ...crcOf(bytes)] : bytes) });
+    const got = await ask("send", { hex: hexText($("crc").checked ? sealed(bytes) : bytes) });
     if (!got) return undefined;
     $("send-answer").replaceChildren(got.answer ? element("code", { text: `answer ${got.answer}` }) : "no answer: the frames say why");
     return tick();
@@ -793,7 +798,8 @@ const Panel = (() => {
     $("title").textContent = device.name || "modbus_rtu_slave";
     document.title = `${device.address} · ${device.name || "modbus_rtu_slave"}`;
     const several = (device.slaves || []).length > 1;
-    $("summary").textContent = `${several ? "" : `slave ${device.address} · `}${device.baud} baud ${device.format}`;
+    const mode = device.mode === "ascii" ? " ASCII" : "";
+    $("summary").textContent = `${several ? "" : `slave ${device.address} · `}${device.baud} baud ${device.format}${mode}`;
     $("slave-label").hidden = !several;
     if (several && $("slave").options.length !== device.slaves.length)
       $("slave").replaceChildren(...device.slaves.map((address) => element("option", { text: address })));

@@ -266,7 +266,7 @@ const Wasm = (() => {
       ++this.stats.answers;
       const answer = {
         n: ++this.n, time: time + (said[0].start - start) / CLOCK_HZ, direction: "answer", hex: Words.text(reply),
-        words: Words.answer(bytes, reply), errors: [], injected: answerFault ? Faults.written(answerFault) : "",
+        words: Words.answer(bytes, reply), exception: reply.length > 2 && reply[1] > 127, errors: [], injected: answerFault ? Faults.written(answerFault) : "",
         start: said[0].start, end: said[said.length - 1].start + this.character, edges: [], characters: said, to: request.n,
       };
       this.keep(answer);

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from .errors import Refused
-from .explain import Frame, Log
+from .explain import Frame, Log, shown
 
 # pcapng (draft-ietf-opsawg-pcapng): block types, options
 SECTION, INTERFACE, PACKET = 0x0A0D0D0A, 1, 6
@@ -21,6 +21,7 @@ UPPER_PDU = 252  # link type: tags that name the dissector, then the frame
 TAG_DISSECTOR, TAG_END = 12, 0
 DISSECTOR = b"mbrtu"  # Modbus RTU
 TAGS = struct.pack(">HH8sHH", TAG_DISSECTOR, 8, DISSECTOR, TAG_END, 0)
+NO_DISSECTOR = struct.pack(">HH8sHH", TAG_DISSECTOR, 8, b"data", TAG_END, 0)
 MICROSECONDS = 6
 FST_TIMESCALE_NS = -9
 PINS = ("rxd", "txd", "de")
@@ -48,11 +49,14 @@ def pcapng(frames: Iterable[Frame], link: str) -> bytes:
     about = options((NAME, (link or "line").encode()), (RESOLUTION, bytes([MICROSECONDS])))
     out.append(block(INTERFACE, struct.pack("<HHI", UPPER_PDU, 0, 0) + about))
     for frame in frames:
-        if not frame.data:
+        line = frame.line or frame.data
+        if not line:
             continue
-        data = TAGS + frame.data
+        # Wireshark has no dissector for the characters of ASCII mode: the frame is that of RTU mode, with a CRC.
+        data = TAGS + frame.data if frame.data else NO_DISSECTOR + line
         stamp = int(frame.time * 10**MICROSECONDS)
-        remarks = [f"broken on purpose: {frame.injected}"] if frame.injected else []
+        remarks = [f"ASCII mode: {shown(line, True)}"] if frame.ascii else []
+        remarks += [f"broken on purpose: {frame.injected}"] if frame.injected else []
         if frame.silence:
             remarks.append(f"no answer: {frame.silence['words']}")
         if frame.delivered:

@@ -13,7 +13,7 @@ from protocol.words_special import messages, register
 
 from . import points as maps
 from .errors import Refused, Unknown
-from .explain import Frames
+from .explain import Frames, shown
 from .operations import OPERATIONS
 from .values import Signal
 
@@ -25,6 +25,7 @@ STATE = ("exception_status", "busy", "failure", "run_indicator", "write_lock", "
 BLOCK = 2048  # items of one read
 TICK_S = 0.05  # of the values that move
 MOST_SIGNALS = 500
+MOST_SENT = 600  # bytes of one burst; the longest frame of ASCII mode has 513
 FUNCTION_TABLES = {
     1: "coils",
     2: "discretes",
@@ -59,8 +60,12 @@ class Device:
         self.files = tuple(facts.get("files") or (0, 1))
         self.points = maps.of_map(facts.get("map"))
         present = f"this one is {self.slaves[0]}" if len(self.slaves) == 1 else f"there are {self.addresses()}"
-        self.bits = 10 if self.hello["format"] == FORMATS.index("8N1") else 11  # of a character
+        self.ascii = self.hello.get("mode") == "ascii"
+        data_bits = self.hello.get("data_bits", 8)
+        self.format = FORMATS[self.hello["format"] & 3].replace("8", str(data_bits))
+        self.bits = 1 + data_bits + (self.format[1] != "N") + int(self.format[2])  # of a character
         self.frames = Frames(present, self.point_names if self.points else None)
+        self.frames.ascii = self.ascii
         self.frames.character = self.bits * self.hello["bit_time"]
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         self.signals: dict[str, Signal] = {}
@@ -180,7 +185,6 @@ class Device:
     async def describe(self) -> dict[str, Any]:
         """What the device is."""
         hello = self.hello
-        code = hello["format"]
         name = (self.facts.get("map") or {}).get("title") or (self.facts.get("map") or {}).get("device")
         return {
             "name": name or f"modbus_rtu_slave ({self.facts.get('device', 'standard')})",
@@ -189,7 +193,8 @@ class Device:
             "address": self.facts["address"],
             "slaves": self.slaves,
             "baud": self.facts["baud"],
-            "format": FORMATS[code] if isinstance(code, int) else code,
+            "format": self.format,
+            "mode": "ascii" if self.ascii else "rtu",
             "clock_hz": hello["clock_hz"],
             "bit_time": hello["bit_time"],
             "t15": hello["t15"],
@@ -360,7 +365,7 @@ class Device:
                 wrong.setdefault(index, []).append(what)
             characters += [
                 {"pin": pin, "start": part.cycle + start, "data": data, "errors": wrong.get(i, [])}
-                for i, (start, data) in enumerate(zip(part.starts, part.data))
+                for i, (start, data) in enumerate(zip(part.starts, part.line))
             ]
         edges.sort(key=lambda edge: edge[0])
         return {
@@ -372,7 +377,7 @@ class Device:
             "clock_hz": self.hello["clock_hz"],
             "bit_time": self.hello["bit_time"],
             "length": self.bits,
-            "format": FORMATS[self.hello["format"]],
+            "format": self.format,
             "t15": self.hello["t15"],
             "t35": self.hello["t35"],
         }
@@ -419,10 +424,10 @@ class Device:
             data = bytes.fromhex(hex)
         except ValueError:
             raise Refused("hex: must be bytes in hexadecimal") from None
-        if not 1 <= len(data) <= 512:
-            raise Refused("hex: must be 1 to 512 bytes")
+        if not 1 <= len(data) <= MOST_SENT:
+            raise Refused(f"hex: must be 1 to {MOST_SENT} bytes")
         got = await self.ask("send", data.hex(), *([timeout_ms] if timeout_ms else []))
-        return {"answer": bytes.fromhex(got["answer"]).hex(" ").upper(), "verdict": got.get("verdict", "")}
+        return {"answer": shown(bytes.fromhex(got["answer"]), self.ascii), "verdict": got.get("verdict", "")}
 
     # ------------------------------------------------------------------ values that move
 

@@ -10,6 +10,8 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Any
 
+from protocol.defs import EXCEPTION_FLAG
+from protocol.frames import adu, lrc
 from protocol.words import answer, request
 
 KEPT = 2000  # frames, with their pins
@@ -30,8 +32,43 @@ SILENCES = {
     "not heard": "no character was heard",
     "no answer": "the core gave no answer",
 }
+ASCII_SILENCES = {  # where ASCII mode differs
+    "crc": "wrong LRC, or a character that is not allowed",
+    "gap": "a pause above the time-out inside the frame",
+    "too long": "more than 513 characters",
+    "too short": "fewer than 3 bytes",
+}
 HARMLESS = ("broadcast", "other address", "listen-only")
 RED, GREEN, BLUE, YELLOW, GREY, PLAIN = (f"\033[{code}m" for code in (31, 32, 34, 33, 90, 0))
+
+
+ASCII_END = (0x0D,)  # behind the digits, and the delimiter
+SHORTEST_ASCII = 3  # bytes: address, function code, LRC
+
+
+def of_ascii(line: bytes) -> tuple[bytes, str]:
+    """A frame of ASCII mode as the one of RTU mode that says the same, or none and what is wrong with it."""
+    digits = line[1:-2]
+    try:
+        if line[:1] != b":" or line[-2] != ASCII_END[0] or digits != digits.upper():
+            raise ValueError
+        data = bytes.fromhex(digits.decode("ascii"))
+    except (ValueError, IndexError):
+        return b"", "these characters are no frame in ASCII mode"
+    if len(data) < SHORTEST_ASCII:
+        return b"", f"{len(data)} bytes are no frame"
+    if lrc(data):
+        should = lrc(data[:-1])
+        return b"", f"LRC {data[-1]:02X} is wrong, {should:02X} would be right: no slave may act on it"
+    return adu(data[0], data[1:-1]), ""
+
+
+def shown(line: bytes, ascii_mode: bool) -> str:
+    """A frame for people: hexadecimal, in ASCII mode its characters."""
+    if not ascii_mode:
+        return line.hex(" ").upper()
+    names = {0x0D: "<CR>", 0x0A: "<LF>"}
+    return "".join(names.get(c) or (chr(c) if 32 <= c < 127 else f"<{c:02X}>") for c in line)
 
 
 @dataclass
@@ -41,7 +78,7 @@ class Frame:
     n: int
     time: float
     direction: str  # request | answer
-    data: bytes
+    data: bytes  # in ASCII mode the frame of RTU mode that says the same, if there is one
     words: str
     cycle: int
     end: int
@@ -53,6 +90,8 @@ class Frame:
     slave: int = 0
     to: int = 0  # of an answer: its request
     number: int = 0  # the bridge's: one for a request and its answers
+    line: bytes = b""  # as on the line
+    ascii: bool = False
     late_ms: float = 0.0  # of an answer: how far the simulation lags behind the clock
     silence: dict[str, Any] | None = None
     delivered: dict[str, Any] | None = None
@@ -64,7 +103,7 @@ class Frame:
             "n": self.n,
             "time": self.time,
             "direction": self.direction,
-            "hex": self.data.hex(" ").upper(),
+            "hex": shown(self.line or self.data, self.ascii),
             "words": self.words,
             "errors": sorted({what for _, what in self.errors}),
             "injected": self.injected,
@@ -74,6 +113,7 @@ class Frame:
             "slave": self.slave,
         }
         if self.direction == "answer":
+            out["exception"] = len(self.data) > 2 and bool(self.data[1] & EXCEPTION_FLAG)
             out["to"] = self.to
             out["late_ms"] = self.late_ms
         for name in ("silence", "delivered"):
@@ -92,6 +132,7 @@ class Frames:
     last: dict[int, Frame] = field(default_factory=dict)
     requests: dict[int, Frame] = field(default_factory=dict)  # by the bridge's number
     character: int = 0  # clocks
+    ascii: bool = False
     count: int = 0
 
     def get(self, n: int) -> Frame | None:
@@ -120,16 +161,11 @@ class Frames:
 
     def frame(self, event: dict[str, Any]) -> Frame:
         """Keep a frame."""
-        data = bytes.fromhex(event["bytes"])
+        line = bytes.fromhex(event["bytes"])
+        data, wrong = of_ascii(line) if self.ascii else (line, "")
         asks = event["direction"] == "request"
         asked = None if asks else self.request(event.get("to", 0))
-        words = (
-            request(data)
-            if asks
-            else answer(asked.data, data)
-            if asked and len(asked.data) > 3
-            else data.hex(" ").upper()
-        )
+        words = wrong or self.words(data, asks, asked)
         if self.names and (asks or asked):
             names = self.names(data if asks else asked.data, None if asks else data)
             more = ", ..." if len(names) > NAMES_SHOWN else ""
@@ -152,6 +188,8 @@ class Frames:
             slave=event.get("slave", 0),
             to=asked.n if asked else 0,
             number=event["n"],
+            line=line,
+            ascii=self.ascii,
             late_ms=round(event.get("late_ms", 0.0), 3),
         )
         if len(self.kept) == self.kept.maxlen:
@@ -167,22 +205,31 @@ class Frames:
             asked.answer = frame.n
         return frame
 
+    @staticmethod
+    def words(data: bytes, asks: bool, asked: Frame | None) -> str:
+        """A frame in words; `asked` is the request of an answer."""
+        if asks:
+            return request(data)
+        return answer(asked.data, data) if asked and len(asked.data) > 3 else data.hex(" ").upper()
+
     def silence(self, event: dict[str, Any], frame: Frame) -> str:
         """Why a request got no answer, in words."""
         verdict = event["verdict"]
         if verdict == "other address" and frame.data:
             return f"for slave {frame.data[0]}, {self.present}"
-        return SILENCES.get(verdict, verdict)
+        known = {**SILENCES, **(ASCII_SILENCES if self.ascii else {})}
+        return known.get(verdict, verdict)
 
     def delivered(self, event: dict[str, Any]) -> dict[str, Any] | None:
         """What the client got of an answer that a fault has changed."""
-        data = bytes.fromhex(event["bytes"])
+        line = bytes.fromhex(event["bytes"])
+        data, wrong = of_ascii(line) if self.ascii and line else (line, "")
         asked = self.request(event["to"])
         frame = self.get(asked.answer) if asked and asked.answer else None
         if asked is None or frame is None:
             return None
-        words = answer(asked.data, data) if data and len(asked.data) > 3 else ""
-        frame.delivered = {"to": frame.n, "hex": data.hex(" ").upper(), "words": words, "injected": injections(event)}
+        words = wrong or (answer(asked.data, data) if data and len(asked.data) > 3 else "")
+        frame.delivered = {"to": frame.n, "hex": shown(line, self.ascii), "words": words, "injected": injections(event)}
         return frame.delivered
 
 

@@ -216,6 +216,41 @@ def test_frames_are_explained():
     assert frames.get(1).answer == 2 and frames.get(3).injected == "wrong_crc"
 
 
+def ascii_events(line, answer=b""):
+    """A frame of ASCII mode, and its answer."""
+    yield {"event": "frame", "n": 1, "direction": "request", "time": 1.0, "cycle": 0, "end": 9, "bytes": line.hex()}
+    if answer:
+        yield {"event": "frame", "n": 1, "direction": "answer", "to": 1, "time": 1.0, "cycle": 9, "end": 20,
+               "bytes": answer.hex()}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "line, words",
+    [
+        (b":1103006B00037E\r\n", "to slave 17: read holding registers 107 to 109"),
+        (b":1103006B00037F\r\n", "LRC 7F is wrong, 7E would be right"),
+        (b":1103006b00037e\r\n", "no frame in ASCII mode"),
+        (b":1103006B00037\r\n", "no frame in ASCII mode"),
+        (b"1103", "no frame in ASCII mode"),
+        (b":11EF\r\n", "2 bytes are no frame"),
+    ],
+)
+def test_frames_of_ascii_mode_are_explained(line, words):
+    """The same words as in RTU mode, the characters as they are on the line, and a capture that holds them."""
+    frames = Frames("this one is 17", ascii=True)
+    (said,) = [frames.take(event) for event in ascii_events(line)]
+    assert words in said["frame"]["words"]
+    assert said["frame"]["hex"] == line.decode().replace("\r\n", "<CR><LF>")
+    assert line[:6] in capture.pcapng(frames.kept, "x")
+
+
+def test_answer_of_ascii_mode():
+    """In words, an exception as one."""
+    frames = Frames("this one is 17", ascii=True)
+    said = [frames.take(e) for e in ascii_events(b":1103006B00037E\r\n", b":1183026A\r\n")]
+    assert "exception 02" in said[1]["frame"]["words"] and said[1]["frame"]["exception"]
+
+
 def test_log_has_colours_on_a_terminal_only():
     """And says the same without them."""
     _, said = spoken()
