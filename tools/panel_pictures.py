@@ -10,9 +10,9 @@ Needs the packages of `make test` and chromium.
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -58,7 +58,9 @@ def main() -> int:
     if not shutil.which("chromium"):
         print("panel_pictures: chromium is not installed", file=sys.stderr)
         return 1
-    with tempfile.TemporaryDirectory() as folder, Device(Path(folder), MAP=MAP, SIGNALS=SIGNALS) as device:
+    os.chdir(ROOT)
+    Path("build").mkdir(exist_ok=True)
+    with Device(Path("build"), MAP=MAP, SIGNALS=SIGNALS) as device:
         time.sleep(SETTLE_S)
         play(device)
         with browser() as chromium:

@@ -63,6 +63,7 @@ class Script:
             while self.stamp() == stamp:
                 await asyncio.sleep(LOOK_AGAIN_S)
             self.error = ""
+            self.writes.clear()  # it hears of what is written from now on
             self.tell({"event": "script", "text": f"{self.path}: has changed, started again"})
 
     def stamp(self) -> tuple[int, int]:
@@ -84,7 +85,6 @@ class Script:
             start_new_session=True,
         )
         interval = (await self.message("the file"))["interval"]
-        self.writes.clear()
         due = looked = time.monotonic()
         while True:
             if time.monotonic() > looked + LOOK_AGAIN_S:
