@@ -29,6 +29,7 @@ import map_device  # noqa: E402
 import models  # noqa: E402
 import ways_in  # noqa: E402
 from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load  # noqa: E402
+from server import variables  # noqa: E402
 
 # The model runs at a clock of its own, as slow as the rate allows: each clock costs time of the processor.
 BIT_CLOCKS, FAST_BIT_CLOCKS = 16, 8  # clocks per bit; fewer for rates above FAST
@@ -77,7 +78,7 @@ DEFAULTS = {
 }
 NOT_FOR_PEOPLE = ("CONTROL_FD", "GIVEN", "DIE_WITH_PARENT")
 # What only the control server knows; it starts if one of them is given, or WEB.
-SERVER_VARIABLES = ()
+SERVER_VARIABLES = variables.NAMES
 # What people write instead
 MISTAKEN = {
     "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE_ID": "ADDRESS",
@@ -438,6 +439,10 @@ def start(given):
     else:
         check_link(link)
     served = {name: value for name, value in named.items() if name in SERVER_VARIABLES}
+    if wrong := variables.wrong(served):
+        raise BadVariable(wrong)
+    if served.get("LOG") == "0":
+        del served["LOG"]
     sockets = ways_in.sockets(values)
     made = of_map(named) if map_device.is_map(values["MAP"]) else of_tables(values)
     if values["PORT"]:
