@@ -23,7 +23,7 @@ import serial
 from live_client import Live, LiveError
 from protocol import frames
 
-from .web import ROOT, Device
+from .web import ROOT, Device, free_port
 
 FULL = os.environ.get("FULL") == "1"
 ADDRESS, BAUD = 17, 115200
@@ -370,6 +370,26 @@ def test_points_by_name(tmp_path):
                 live[name] = value
         with pytest.raises(LiveError, match="by name"):
             live.write("inputs", 0, [1])
+
+
+def test_several_slaves_on_one_line(tmp_path):
+    """Each has its own tables, state and counters; Modbus TCP comes in beside."""
+    tcp = free_port()
+    with Device(tmp_path, SLAVES="17,18", BAUD=BAUD, TCP=tcp) as made:
+        live = made.client
+        live.write("holdings", 0, [7])
+        assert live.ask("GET", "/api/tables/holdings", slave=18)["values"] == [0]
+        assert live.device()["slaves"] == [17, 18]
+        got = bytes.fromhex(live.send(frames.adu(17, frames.read(3, 0, 1)).hex()))
+        other = bytes.fromhex(live.send(frames.adu(18, frames.read(3, 0, 1)).hex()))
+        assert (got[3:5], other[3:5]) == (bytes([0, 7]), bytes([0, 0]))
+        assert live.send(frames.adu(19, frames.read(3, 0, 1)).hex()) == ""
+        assert live.frames()[-1]["silence"]["words"] == "for slave 19, there are 17, 18"
+        with pytest.raises(LiveError, match="slave 19: there are 17, 18"):
+            live.ask("GET", "/api/status", slave=19)
+        with socket.create_connection(("127.0.0.1", tcp), timeout=5) as gate:
+            gate.sendall(bytes([0, 1, 0, 0, 0, 6, 17]) + frames.read(3, 0, 1))
+            assert gate.recv(100) == bytes([0, 1, 0, 0, 0, 5, 17, 3, 2, 0, 7])
 
 
 def test_without_web_nothing_is_started(tmp_path):
