@@ -359,7 +359,7 @@ const Panel = (() => {
       const list = data.characters.filter((c) => c.pin === "rxd"), found = [];
       for (let i = 1; i < list.length; ++i) {
         const end = list[i - 1].start + data.length * data.bit_time, silence = list[i].start - end;
-        if (silence > data.bit_time / 2) found.push({ end, start: list[i].start, silence, bad: silence > data.t15 });
+        if (silence > data.bit_time / 2) found.push({ end, start: list[i].start, silence, bad: silence > data.t15 && data.mode !== "ascii" });
       }
       return found;
     };
@@ -369,7 +369,7 @@ const Panel = (() => {
       const parts = [`${heard.length} characters in ${ms(data.end - data.start).toFixed(2)} ms`];
       for (const gap of gaps()) parts.push(`gap of ${ms(gap.silence).toFixed(2)} ms${gap.bad ? `, more than t1.5 (${ms(data.t15).toFixed(2)} ms)` : ""}`);
       for (const c of data.characters) if (c.errors.length) parts.push(`${c.pin} ${hexOf(c.data)}: ${c.errors.map((e) => (e === "parity" ? "wrong parity" : "no stop bit")).join(", ")}`);
-      parts.push(said.length ? `answer ${ms(said[0].start - data.end).toFixed(2)} ms after the end, t3.5 is ${ms(data.t35).toFixed(2)} ms` : "no answer");
+      parts.push(said.length ? `answer ${ms(said[0].start - data.end).toFixed(2)} ms after the end${data.mode === "ascii" ? "" : `, t3.5 is ${ms(data.t35).toFixed(2)} ms`}` : "no answer");
       $("wave-note").textContent = `${parts.join("; ")}.`;
       canvas.setAttribute("aria-label", `Waveform of frame ${data.n}: ${parts.join("; ")}`);
     };
@@ -440,8 +440,10 @@ const Panel = (() => {
         g.textAlign = at > canvas.clientWidth - 50 ? "right" : "left";
         g.fillText(text, at + (g.textAlign === "left" ? 3 : -3), 14 + row * 11);
       };
-      label(data.end + data.t15, "t1.5", 1, "soft");
-      label(data.end + data.t35, "t3.5", 0, "ink");
+      if (data.mode !== "ascii") {               // which has no t1.5 and no t3.5
+        label(data.end + data.t15, "t1.5", 1, "soft");
+        label(data.end + data.t35, "t3.5", 0, "ink");
+      }
       for (const gap of gaps()) {
         if (!gap.bad) continue;
         g.fillStyle = colour("bad");

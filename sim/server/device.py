@@ -377,6 +377,7 @@ class Device:
             "clock_hz": self.hello["clock_hz"],
             "bit_time": self.hello["bit_time"],
             "length": self.bits,
+            "mode": "ascii" if self.ascii else "rtu",
             "format": self.format,
             "t15": self.hello["t15"],
             "t35": self.hello["t35"],

@@ -217,6 +217,8 @@ class Frames:
         verdict = event["verdict"]
         if verdict == "other address" and frame.data:
             return f"for slave {frame.data[0]}, {self.present}"
+        if verdict == "not heard" and frame.line:
+            return "the core has taken these characters for no frame"
         known = {**SILENCES, **(ASCII_SILENCES if self.ascii else {})}
         return known.get(verdict, verdict)
 
