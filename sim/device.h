@@ -32,7 +32,7 @@ constexpr size_t QUEUE_LIMIT = 1026;      // a client that sends more than the l
 constexpr unsigned ASCII = 8;             // of a format code, beside those of line.h
 constexpr size_t SENDS_LIMIT = 256;       // requests of the control server that wait
 constexpr int READS_AT_ONCE = 16;         // of 4 KB: what the kernel keeps for one terminal
-constexpr unsigned SETTLE_CLOCKS = 1024;  // a core at rest may still clear its counters
+constexpr unsigned SETTLE_CLOCKS = 256;   // a core at rest may still clear its counters
 constexpr unsigned JUDGE_CLOCKS = 8;      // the core may say a little late what it thinks of a frame
 constexpr int FREE_CLOCKS = 20000;        // that take no time, at most between two looks at clients
 constexpr double COLLECT_S = 3e-3;        // silence of a client that ends a frame which a fault wants whole
@@ -89,7 +89,7 @@ class Device {
   // Nothing moves and nothing is left to do.
   bool idle() const {
     return queue_.empty() && sends_.empty() && !sending_ && jobs_.empty() && held_.empty() && !wave_.busy() &&
-           !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + hold_ && at_rest() && !receiving();
+           !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + t35_ && at_rest() && !receiving();
   }
   bool full() const { return queue_.size() >= QUEUE_LIMIT; }
 
@@ -102,8 +102,8 @@ class Device {
     for (const Character &character : characters) {
       last_byte_s_ = now;
       if (full()) break;
-      // A real line would have been silent before this byte: a frame of its own, even if the simulation lags.
-      const bool first = now > carried_s_ + double(t35_) * clock_s;
+      // A real line would have been silent for t1.5 before this byte: a frame of its own, even if the simulation lags.
+      const bool first = now > carried_s_ + double(t15_) * clock_s;
       carried_s_ = std::max(carried_s_, now) + character_ * clock_s;
       queue_.push_back({character.data, character.bad, first, client_});
       ++taken_;
@@ -329,7 +329,7 @@ class Device {
       frame.wrong.back().parity = queue_.front().bad;
       queue_.pop_front();
     }
-    for (const Fault &fault : picked_) apply(fault, format_, frame);
+    for (const Fault &fault : picked_) apply(fault, format_, ascii(), frame);
     collecting_ = false;
     std::vector<Piece> other;
     if (!frame.lost) wave_.append(pieces_of(frame, format_, dice_, other));
@@ -362,9 +362,9 @@ class Device {
       if (logging()) open_log(answer_);
       return;
     }
+    close_answer();
     if (faulty_answer_) begin_reply();
     else deliver_held();
-    close_answer();
     faulty_answer_ = echo_answer_ = false;
   }
 
@@ -390,14 +390,19 @@ class Device {
     frame.bytes = answer_bytes_;
     frame.wrong.resize(frame.bytes.size());
     for (const Fault &fault : picked_)
-      if (fault.kind != "echo") apply(fault, format_, frame);
+      if (fault.kind != "echo") apply(fault, format_, ascii(), frame);
     reply_injected_ = frame.injected;
     reply_bytes_.clear();
+    reply_faults_.clear();
     reply_to_ = requests_;
     reply_owner_ = playing_;
     reply_at_ = cycle_ + uint64_t(frame.late_ms * 1e-3 * clock_hz_);
     std::vector<Piece> other;
-    if (!frame.lost) reply_.append(pieces_of(frame, format_, dice_, other));
+    client_receiver_ = Receiver(format_, bit_);
+    if (!frame.lost) {
+      reply_.append(pieces_of(frame, format_, dice_, other));
+      reply_.append({{double(format_.length()), true}});  // what the receiver took for a character ends
+    }
     reply_talker_.append(other);
     if (!reply_.busy()) end_reply();
   }
@@ -410,6 +415,7 @@ class Device {
     if (reply_talker_.busy()) level &= reply_talker_.clock();
     Received got;
     if (client_receiver_.clock(level, cycle_, got)) {
+      reply_faults_ += fault_of(got, reply_bytes_.size(), reply_faults_);
       reply_bytes_.push_back(got.data);
       deliver(got.data, reply_owner_);
     }
@@ -424,7 +430,8 @@ class Device {
   void end_reply() {
     deliver_held();
     control_.event(Json().add("event", "delivered").add("to", reply_to_).add("direction", "answer")
-                       .add("bytes", hex(reply_bytes_)).raw("injected", Json::texts(reply_injected_)));
+                       .add("bytes", hex(reply_bytes_)).raw("faults", "[" + reply_faults_ + "]")
+                       .raw("injected", Json::texts(reply_injected_)));
   }
 
   // A byte for whoever has asked.
@@ -541,6 +548,13 @@ class Device {
     frame.edges.push_back(uint64_t(pins));
   }
 
+  // [index,"what is wrong"] for a list that is empty or not; nothing for a good character.
+  static std::string fault_of(const Received &got, size_t index, const std::string &before) {
+    if (!got.parity_error && !got.framing_error) return "";
+    return (before.empty() ? "[" : ",[") + std::to_string(index) + "," +
+           (got.framing_error ? "\"framing\"]" : "\"parity\"]");
+  }
+
   // What a UART makes of the line that the slaves hear.
   void hear_line(bool rxd) {
     if (driven_) return;
@@ -548,9 +562,7 @@ class Device {
     if (!line_receiver_.clock(rxd, cycle_, got)) return;
     if (echo_request_) deliver(got.data, playing_);
     if (!request_.open) return;
-    if (got.parity_error || got.framing_error)
-      request_.faults += (request_.faults.empty() ? "[" : ",[") + std::to_string(request_.bytes.size()) + "," +
-                         (got.framing_error ? "\"framing\"]" : "\"parity\"]");
+    request_.faults += fault_of(got, request_.bytes.size(), request_.faults);
     request_.bytes.push_back(got.data);
     request_.starts.push_back(got.start - request_.begin);
   }
@@ -563,7 +575,7 @@ class Device {
   void write_log(const Logged &frame, const char *direction, const Slave *slave) {
     Json json;
     json.add("event", "frame").add("n", frame.number).add("direction", direction).add("time", frame.time)
-        .add("cycle", frame.begin).add("end", cycle_).add("bytes", hex(frame.bytes))
+        .add("cycle", frame.begin).add("end", slave ? cycle_ : last_activity_).add("bytes", hex(frame.bytes))
         .raw("starts", Json::list(frame.starts)).raw("faults", "[" + frame.faults + "]")
         .raw("injected", Json::texts(frame.injected)).add("source", of_server(playing_) ? "send" : "client");
     if (slave) json.add("slave", slave->address()).add("to", frame.number).add("late_ms", 1000 * lag_s(wall_s()));
@@ -924,6 +936,7 @@ class Device {
   bool collecting_ = false, faulty_answer_ = false, echo_answer_ = false, echo_request_ = false;
   std::vector<uint8_t> answer_bytes_, reply_bytes_;
   std::vector<std::string> pending_injected_, reply_injected_;
+  std::string reply_faults_;
   uint64_t reply_at_ = 0, reply_to_ = 0;
   Owner reply_owner_ = 0;
 

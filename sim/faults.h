@@ -146,9 +146,10 @@ inline std::string parse_fault(const std::vector<std::string> &words, Fault &fau
 }
 
 // What the fault does to the frame.
-inline void apply(const Fault &fault, CharacterFormat format, FaultyFrame &frame) {
+inline void apply(const Fault &fault, CharacterFormat format, bool ascii, FaultyFrame &frame) {
   frame.injected.push_back(fault.text());
   const int size = int(frame.bytes.size());
+  const int check = ascii ? size - 2 : size;  // behind the check field: CR LF
   const std::string &kind = fault.kind;
   int at = fault.keys.count("character") ? int(fault.key("character")) : 0;
   if (at < 0) at += size;
@@ -169,9 +170,9 @@ inline void apply(const Fault &fault, CharacterFormat format, FaultyFrame &frame
     frame.bytes.push_back(uint8_t(fault.key("value")));
     frame.wrong.push_back({});
   } else if (kind == "swapped_crc") {
-    if (size >= 2) std::swap(frame.bytes[size_t(size) - 1], frame.bytes[size_t(size) - 2]);
+    if (check >= 2) std::swap(frame.bytes[size_t(check) - 1], frame.bytes[size_t(check) - 2]);
   } else if (kind == "wrong_crc") {
-    if (size >= 1) frame.bytes[size_t(size) - 1] ^= 1;
+    if (check >= 1) frame.bytes[size_t(check) - 1] ^= 1;
   } else if (kind == "jitter") {
     for (Wrong &wrong : frame.wrong) wrong.jitter = fault.key("amount");
   } else if (kind == "rate") {

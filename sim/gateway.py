@@ -41,6 +41,22 @@ def crc(data: bytes) -> bytes:
     return struct.pack("<H", value)
 
 
+def ascii_frame(data: bytes) -> bytes:
+    """Address and PDU as a frame of ASCII mode."""
+    return b":" + (data + bytes([-sum(data) & 0xFF])).hex().upper().encode() + b"\r\n"
+
+
+def of_ascii(frame: bytes) -> bytes:
+    """Address and PDU of a frame of ASCII mode; empty if it is none."""
+    if frame[:1] != b":" or frame[-2:] != b"\r\n":
+        return b""
+    try:
+        data = bytes.fromhex(frame[1:-2].decode("ascii"))
+    except ValueError:
+        return b""
+    return b"" if sum(data) & 0xFF else data[:-1]
+
+
 def request_length(frame: bytes) -> int | None:
     """Bytes of the request that `frame` begins with; None if that cannot be told yet, or at all."""
     if len(frame) < 2:
@@ -64,7 +80,13 @@ class Gateway:
         self.connections: set[asyncio.Task[None]] = set()
 
     async def ask(self, frame: bytes) -> bytes:
-        """What the line answers to a frame; empty for silence."""
+        """What the line answers to a frame of RTU mode; empty for silence."""
+        if self.link.hello["mode"] == "ascii":
+            if crc(frame[:-2]) != frame[-2:]:
+                return b""
+            reply = await self.link.call("send", ascii_frame(frame[:-2]).hex())
+            said = of_ascii(bytes.fromhex(reply["answer"]))
+            return said + crc(said) if said else b""
         reply = await self.link.call("send", frame.hex())
         return bytes.fromhex(reply["answer"])
 
@@ -103,7 +125,11 @@ class Gateway:
                     break
                 waiting += more
                 wanted = request_length(waiting)
-            whole = wanted is not None and len(waiting) >= wanted and crc(waiting[: wanted - 2]) == waiting[wanted - 2 : wanted]
+            whole = (
+                wanted is not None
+                and len(waiting) >= wanted
+                and crc(waiting[: wanted - 2]) == waiting[wanted - 2 : wanted]
+            )
             frame = waiting[:wanted] if whole else waiting[: 2 * LONGEST_FRAME]
             waiting = waiting[len(frame) :]
             writer.write(await self.ask(frame))
@@ -144,7 +170,9 @@ async def run(arguments: argparse.Namespace) -> None:
     """Serve until the bridge ends."""
     link = await BridgeLink.open(arguments.control_fd)
     await link.call("pins", "off")  # nobody looks at them
-    listeners = [socket.socket(fileno=fd) if fd is not None else None for fd in (arguments.tcp_fd, arguments.rtu_tcp_fd)]
+    listeners = [
+        socket.socket(fileno=fd) if fd is not None else None for fd in (arguments.tcp_fd, arguments.rtu_tcp_fd)
+    ]
     gateway = await start(link, *listeners)
     await link.closed()
     for task in list(gateway.connections):

@@ -91,7 +91,13 @@ class Master:
         self.sent, self.received, self.expected, self.seconds = None, None, None, 0.0
         # Parity none: the kernel has no parity on a pseudo-terminal, and pyserial insists if asked for it.
         self.client = ModbusSerialClient(
-            str(ROOT / LINK), framer=FramerType.ASCII if ascii_mode else FramerType.RTU, baudrate=baud, parity="N", timeout=TIMEOUT_S, retries=0, trace_packet=self._seen
+            str(ROOT / LINK),
+            framer=FramerType.ASCII if ascii_mode else FramerType.RTU,
+            baudrate=baud,
+            parity="N",
+            timeout=TIMEOUT_S,
+            retries=0,
+            trace_packet=self._seen,
         )
 
     def __enter__(self):

@@ -23,8 +23,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
-import filelist  # noqa: E402
 import faults  # noqa: E402
+import filelist  # noqa: E402
 import map_device  # noqa: E402
 import models  # noqa: E402
 import ways_in  # noqa: E402
@@ -71,16 +71,19 @@ DEFAULTS = {
     "TCP": "",
     "RTU_TCP": "",
     "PARAMETERS": "",
+    "CONTROL_FD": "",
     "GIVEN": "",
     "DIE_WITH_PARENT": "",
 }
+NOT_FOR_PEOPLE = ("CONTROL_FD", "GIVEN", "DIE_WITH_PARENT")
 # What only the control server knows; it starts if one of them is given, or WEB.
 SERVER_VARIABLES = ()
 # What people write instead
 MISTAKEN = {
-    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE": "SLAVES", "SLAVE_ID": "ADDRESS",
-    "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP", "STOP_BITS": "STOP",
-    "BITS": "DATA_BITS", "DATABITS": "DATA_BITS", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT", "HTTP": "WEB", "MODBUS_TCP": "TCP",
+    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE_ID": "ADDRESS",
+    "SLAVE": "SLAVES", "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP",
+    "STOP_BITS": "STOP", "INITIAL": "INIT", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT",
+    "HTTP": "WEB", "MODBUS_TCP": "TCP", "BITS": "DATA_BITS", "DATABITS": "DATA_BITS",
 }  # fmt: skip
 MOST_SLAVES = 32  # on one line without a repeater, MODBUS over Serial Line V1.02 3.4.1
 HOLD_MS = range(10_001)
@@ -287,7 +290,7 @@ def named_variables(given):
 
 def check_name(name):
     """Refuse the name of a variable that is nearly one of ours."""
-    known = [n for n in (*DEFAULTS, *SERVER_VARIABLES) if n not in ("GIVEN", "DIE_WITH_PARENT")]
+    known = [n for n in (*DEFAULTS, *SERVER_VARIABLES) if n not in NOT_FOR_PEOPLE]
     if name in known:
         return
     near = MISTAKEN.get(name.upper()) or next(iter(difflib.get_close_matches(name.upper(), known, 1, 0.75)), None)
@@ -355,7 +358,8 @@ def line_facts(line, tables, files, map_facts=None):
     """What the control server is told of the device."""
     return {
         "address": line.slaves[0], "slaves": line.slaves, "baud": line.baud, "parity": line.parity, "stop": line.stop,
-        "mode": "ascii" if line.ascii else "rtu", "data_bits": line.data_bits, "tables": tables, "files": files, "map": map_facts,
+        "mode": "ascii" if line.ascii else "rtu", "data_bits": line.data_bits,
+        "tables": tables, "files": files, "map": map_facts,
     }  # fmt: skip
 
 
@@ -408,7 +412,7 @@ def of_map(named):
         parameters = {"CLK_HZ": line.clock_hz()}
         if not made.run_time:
             if len(line.slaves) > 1:
-                raise BadVariable("SLAVES: the address is fixed in the map; with run_time in its line there can be several")
+                raise BadVariable("SLAVES: the map fixes the address; with run_time in its line there can be several")
             parameters |= {"ADDRESS": line.slaves[0], "BAUD": line.baud, "FORMAT": line.format}
         bridge = compiled(made.top, parameters, made.files, made.folders)
     options = line.options()
@@ -451,7 +455,9 @@ def start(given):
         arguments += ["--trace", values["TRACE"]]
     if values["DIE_WITH_PARENT"]:
         arguments += ["--die-with-parent"]
-    if sockets or served:
+    if values["CONTROL_FD"]:  # the caller is the control server
+        arguments += ["--control-fd", values["CONTROL_FD"]]
+    elif sockets or served:
         facts = made.facts | {"link": values["PORT"] or link, "device": values["DEVICE"]}
         arguments += ["--control-fd", str(ways_in.start(sockets, served, descriptor("facts", json.dumps(facts))))]
     # Held back until the bridge listens for them, so that none is lost on the way.

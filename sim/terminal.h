@@ -118,7 +118,11 @@ class Terminal : public Endpoint {
     if (write(master_, data.data(), data.size()) < 0) return;
   }
 
-  void drop_unread() override { ioctl(slave_, TCFLSH, TCIFLUSH); }
+  // A flush of an empty terminal is left out: while it lasts, the terminal of a new client looks readable.
+  void drop_unread() override {
+    int unread = 0;
+    if (ioctl(slave_, TIOCINQ, &unread) == 0 && unread > 0) ioctl(slave_, TCFLSH, TCIFLUSH);
+  }
 
   // No settings, no exclusive mode, output not stopped.  Settings of a client that is there already stay.
   void reset(bool nobody) override {

@@ -154,10 +154,15 @@ def _compiler_cache(environment: Mapping[str, str], place: Path) -> dict[str, st
     """A folder for ccache, which g++ may be, where it could not make its own: without one it compiles nothing."""
     if "CCACHE_DIR" in environment or "CCACHE_CONFIGPATH" in environment:
         return {}
-    wanted = Path(environment.get("XDG_CACHE_HOME") or Path(environment.get("HOME") or "/nonexistent") / ".cache")
-    while not wanted.exists():
-        wanted = wanted.parent
-    return {} if os.access(wanted, os.W_OK) and wanted != Path("/") else {"CCACHE_DIR": str(place / "ccache")}
+    if "ccache" not in Path(shutil.which("g++") or "").resolve().name:
+        return {}
+    try:
+        wanted = Path(environment.get("XDG_CACHE_HOME") or Path(environment.get("HOME") or "/nonexistent") / ".cache")
+        wanted.mkdir(parents=True, exist_ok=True)
+        usable = os.access(wanted, os.W_OK)
+    except OSError:
+        usable = False
+    return {} if usable else {"CCACHE_DIR": str(place / "ccache")}
 
 
 def _run(command: list[str], folder: Path) -> str:

@@ -17,6 +17,10 @@ USUAL = {
     "suites on gates": 0,
     "builds on gates": 2,
     "random maps": 60,
+    "reopened clients": 300,
+    "live devices": 4,
+    "seconds of live devices": 3,
+    "soak requests": 900,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
@@ -31,6 +35,10 @@ FULL = {
     "suites on gates": 6,
     "builds on gates": 4,
     "random maps": 5_000,
+    "reopened clients": 4_000,
+    "live devices": 32,
+    "seconds of live devices": 30,
+    "soak requests": 100_000,
 }
 
 
