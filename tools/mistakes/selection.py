@@ -45,7 +45,11 @@ SELECTION = [
         "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
         "|own_|breaks|right_after|during|after_reset",
     ),
-    ("ascii_mode", "parity|gap_above|do_not_add|colon|cr_in|long_frames.*length=2|delimiter|floors|ends_the_frame|stop_bits|every_format.*fmt=[04]"),
+    (
+        "ascii_mode",
+        "parity|gap_above|do_not_add|colon|cr_in|long_frames.*length=2|delimiter|ends_the_frame|stop_bits"
+        "|every_format.*fmt=[04]",
+    ),
     ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory|late_answer.*drop=1"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
