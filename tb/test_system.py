@@ -290,7 +290,7 @@ KEPT_BY_ICARUS = {
     "speed_floors": None,
     "options_timeout": None,
     "host_inputs": "^(?!.*changes_its_mind)",
-    "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed",
+    "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed|random",
 }
 # Tests of further builds that say what those of other builds have said, left out unless FULL=1.
 PLAYED_ELSEWHERE = {

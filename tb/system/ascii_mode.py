@@ -6,6 +6,8 @@ import cocotb
 from cocotb.triggers import Timer
 from harness.bench import CLOCK_PS, Bench
 from harness.lines import with_error, with_gap
+from harness.traffic import AsciiTraffic
+from harness.volume import volume
 from protocol import frames, vectors
 from protocol.defs import ASCII_FORMATS, FC, RECEIVED, RECEIVED_ERROR, RECEIVED_OVERRUN, Sub
 
@@ -366,11 +368,9 @@ async def the_master_may_be_two_percent_off(dut):
 @cocotb.test()
 async def random_requests(dut):
     """What RTU gets in random_requests, in ASCII mode."""
-    from harness.traffic import AsciiTraffic
-
     tb = await start(dut, bit_time=8)
     traffic = AsciiTraffic(tb.rng, tb.slave.config, tb.slave)
-    for _ in range(60):
+    for _ in range(volume("random requests in a simulator")):
         line, kind = traffic.line()
         await tb.both(line, note=kind)
     await tb.finish()
