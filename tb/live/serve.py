@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 240  # the first start of a map or an identity compiles it
 VARIABLES = (
     *("DEVICE", "LINK", "PORT", "ADDRESS", "SLAVES", "BAUD", "PARITY", "STOP", "INIT", "MAP", "TRACE", "HOLD", "FAULT"),
-    *("WEB", "TCP", "RTU_TCP"),
+    *("WEB", "TCP", "RTU_TCP", "MODE", "DATA_BITS"),
 )
 
 
