@@ -94,8 +94,9 @@ class Priority {
     say_at_ = now + SAY_AGAIN_S;
     char text[160];
     snprintf(text, sizeof text, "answers came %.0f ms late: this machine is too busy (%s)", 1000 * lag_s,
-             had_it ? "real-time priority is given up for a second" : allowed_ ? "without real-time priority for the moment"
-                                                                     : "real-time priority needs root or CAP_SYS_NICE");
+             had_it     ? "real-time priority is given up for a second"
+             : allowed_ ? "without real-time priority for the moment"
+                        : "real-time priority needs root or CAP_SYS_NICE");
     device.warn(text);
   }
 

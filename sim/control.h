@@ -3,8 +3,8 @@
 //
 // control - the channel to a control server: commands in plain words, replies and events as JSON, a line each.
 //
-// The line never waits for the server.  What the server does not read is kept up to a limit; beyond it events are dropped
-// and counted, and no command is taken until there is room.
+// The line never waits for the server.  What the server does not read is kept up to a limit; beyond it events are
+// dropped and counted, and no command is taken until there is room.
 
 #pragma once
 

@@ -518,7 +518,8 @@ class Device {
       sending_->verdict = told;
     }
     if (sending_ && sending_->played && !(reply_.busy() && reply_owner_ == sender)) {
-      control_.reply(Json().raw("id", sending_->id).add("answer", hex(sending_->answer)).add("verdict", sending_->verdict));
+      control_.reply(Json().raw("id", sending_->id).add("answer", hex(sending_->answer))
+                         .add("verdict", sending_->verdict));
       sending_.reset();
     }
   }
@@ -587,8 +588,10 @@ class Device {
     std::vector<unsigned> addresses;
     for (const auto &slave : slaves_) addresses.push_back(slave->address());
     control_.event(Json().add("event", "hello").add("protocol", 1).add("clock_hz", uint64_t(clock_hz_))
-                       .add("bit_time", options_.bit_time).add("baud", options_.baud).add("format", options_.format & FORMAT_BITS)
-                       .add("data_bits", unsigned(format_.data)).add("mode", ascii() ? "ascii" : "rtu").add("t15", t15_).add("t35", t35_).raw("slaves", Json::list(addresses))
+                       .add("bit_time", options_.bit_time).add("baud", options_.baud)
+                       .add("format", options_.format & FORMAT_BITS).add("data_bits", unsigned(format_.data))
+                       .add("mode", ascii() ? "ascii" : "rtu").add("t15", t15_).add("t35", t35_)
+                       .raw("slaves", Json::list(addresses))
                        .add("link", options_.port.empty() ? options_.link : options_.port));
   }
 
@@ -663,8 +666,9 @@ class Device {
   }
 
   std::string set(const std::string &id, Slave *only, const std::vector<std::string> &words) {
-    static const std::map<std::string, uint64_t> most = {{"exception_status", 255}, {"busy", 1}, {"failure", 15},
-                                                         {"run_indicator", 1}, {"write_lock", 1}, {"diagnostic", 65535}};
+    static const std::map<std::string, uint64_t> most = {{"exception_status", 255}, {"busy", 1},
+                                                         {"failure", 15},           {"run_indicator", 1},
+                                                         {"write_lock", 1},         {"diagnostic", 65535}};
     uint64_t value;
     if (words.size() != 3 || !most.count(words[1])) return "must be slave, name of an input, value";
     const std::string &name = words[1];
@@ -720,9 +724,9 @@ class Device {
     Send send;
     send.id = id;
     const std::string text = words.empty() ? "" : words[0];
-    if (text.empty() || text.size() % 2 || text.size() > 2 * 2 * LONGEST_FRAME ||
+    if (text.empty() || text.size() % 2 || text.size() > 2 * QUEUE_LIMIT ||
         text.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
-      return "send: must be 1 to 512 bytes in hexadecimal";
+      return "send: must be 1 to 1026 bytes in hexadecimal";
     if (sends_.size() >= SENDS_LIMIT) return "send: 256 requests wait already";
     for (size_t i = 0; i < text.size(); i += 2)
       send.bytes.push_back(uint8_t(strtoul(text.substr(i, 2).c_str(), nullptr, 16)));
@@ -798,7 +802,8 @@ class Device {
     } else if (access.refused) {
       const uint32_t at = access.addresses[access.done];
       json.add("error", "slave " + std::to_string(job.slave->address()) + ": space " + std::to_string(at >> 16) +
-                            " item " + std::to_string(at & 0xFFFF) + (access.write ? ": cannot be written" : ": no such item"));
+                            " item " + std::to_string(at & 0xFFFF) +
+                            (access.write ? ": cannot be written" : ": no such item"));
     } else if (access.write) {
       json.add("written", uint64_t(access.done));
     } else {

@@ -87,7 +87,8 @@ inline const std::map<std::string, FaultKind> &fault_kinds() {
 
 // "DIRECTION KIND key=value ..." as Fault; the text of what is wrong, or "".
 inline std::string parse_fault(const std::vector<std::string> &words, Fault &fault) {
-  if (words.size() < 2 || (words[0] != "request" && words[0] != "answer")) return "must be request or answer, and a kind";
+  if (words.size() < 2 || (words[0] != "request" && words[0] != "answer"))
+    return "must be request or answer, and a kind";
   fault.direction = words[0] == "request" ? Direction::kRequest : Direction::kAnswer;
   fault.kind = words[1];
   const auto kind = fault_kinds().find(words[1]);

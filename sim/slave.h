@@ -13,7 +13,8 @@
 #include "model.h"
 
 // Names of the strobes of events_o, from bit 0 on.
-constexpr std::array<const char *, 8> kEvents = {"frame", "parity", "framing", "overrun", "crc", "short", "long", "gap"};
+constexpr std::array<const char *, 8> kEvents = {"frame", "parity", "framing", "overrun",
+                                                 "crc",   "short",  "long",    "gap"};
 enum Event { kFrame, kParityError, kFramingError, kOverrun, kCrcError, kShort, kLong, kGap };
 
 // Accesses to the host port that are one piece for the line: addresses are {space, item}.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// terminal - where clients are: a pseudo-terminal at which they come and go, or a serial port; and how the bridge ends on
-// an error.
+// terminal - where clients are: a pseudo-terminal at which they come and go, or a serial port; and how the bridge ends
+// on an error.
 
 #pragma once
 

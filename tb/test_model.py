@@ -63,7 +63,13 @@ def test_lrc_of_the_sources(check):
 def test_model_tells_the_kinds_of_bad_frames_apart_in_ascii():
     slave, good = Slave(Config(timeout=50)), frames.ascii_adu(17, frames.read(3, 0, 1))
     cases = {
-        "crc": [good[:-3] + b"0\r\n", good.lower()[:-2] + b"g\r\n", good[:-2] + b"0\r\n", good[:-1] + b"0", good[:-2] + b"\r\r"],
+        "crc": [
+            good[:-3] + b"0\r\n",
+            good[:-2] + b"g0\r\n",
+            good[:-2] + b"0\r\n",
+            good[:-1] + b"0",
+            good[:-2] + b"\r\r",
+        ],
         "short": [b":\r\n", b":1\r\n", b":1107\r\n"],
         "long": [good[:-2] + b"0" * 500 + b"\r\n"],
         "gap": [[*good[:8], (good[8], 51, None), *good[9:]]],

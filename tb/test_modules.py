@@ -39,6 +39,7 @@ MODULES = {
     "line_waits": ("modbus_line_timer", {"T15_CLOCKS": 0, "T35_CLOCKS": 0}, "line.line_waits"),
     "frame_tx": ("modbus_frame_tx", {}, "line.frame_tx"),
     "line": ("modbus_line", {"CLK_HZ": 1_000_000, "T15_MIN_US": 0, "T35_MIN_US": 0}, "line.line"),
+    "ascii": ("modbus_ascii", {}, "line.ascii"),
     "alive": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 7}, "line.alive"),
     "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "line.alive"),
     "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "line.alive"),

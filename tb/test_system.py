@@ -242,8 +242,8 @@ SUITES = {
     "core_checked_bus": (CORE, {**NO_FLOORS, "CHECK_WRITES": 1}, "core_bus", "in_order|stall_limit_on|longest_lists"),
     "ram_checked": (SLAVE, {**FAST, "CHECK_WRITES": 1}, "functions", "write|mask"),
     "io_checked": (IO, {**NO_FLOORS, "CHECK_WRITES": 1}, "io_bank", None),
-    "ascii": (SLAVE, ASCII, "ascii_mode", None),
-    "ascii_floors": (SLAVE, ASCII_FLOORS, "ascii_mode", "ends_the_frame"),
+    "ascii_mode": (SLAVE, ASCII, "ascii_mode", None),
+    "ascii_mode_floors": (SLAVE, ASCII_FLOORS, "ascii_mode", "ends_the_frame"),
     "random": (SLAVE, EVERYTHING, "random_requests", None),
     "example_user": ("example_bench", EXAMPLE_USER, "example_user", None),
     "pdm_meter": (PDM, NO_FLOORS, "pdm_meter", None),
@@ -275,7 +275,7 @@ ON_COMPILED = {
     "fifo": None,
     "host_inputs": "changes_its_mind",
     "timing": None,
-    "ascii": "^(?!.*(ends_the_frame|late_answers|breaks|reset_sets))",
+    "ascii_mode": "^(?!.*(ends_the_frame|late_answers|breaks|reset_sets))",
 }
 # What Icarus, which takes three times as long, still plays of the suites above, for unknown levels; all with FULL=1.
 # suite: regular expression of the tests, or None for none
@@ -290,7 +290,7 @@ KEPT_BY_ICARUS = {
     "speed_floors": None,
     "options_timeout": None,
     "host_inputs": "^(?!.*changes_its_mind)",
-    "ascii": "ends_the_frame|late_answers|breaks|reset_sets|printed",
+    "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed|random",
 }
 # Tests of further builds that say what those of other builds have said, left out unless FULL=1.
 PLAYED_ELSEWHERE = {

@@ -14,7 +14,7 @@ import json
 
 from synth_devices import DEVICES, FAMILIES
 from synth_peers import DEVICES_OF_PEERS, PEERS
-from synth_profiles import OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, USER_OPTION
+from synth_profiles import ADDED_OPTIONS, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN
 
 from common import ROOT, source_of
 
@@ -117,9 +117,9 @@ def options_table(options: dict[str, dict], tools: dict) -> str:
     """What each option costs, as a markdown table."""
     whole = options[""]
     lines = ["| Option | Logic cells with / without it | Costs | RAM blocks |", "|---|---:|---:|---:|"]
-    for option in [*OPTIONS, USER_OPTION]:
+    for option in [*OPTIONS, *ADDED_OPTIONS]:
         row = options[option]
-        more, less = (row, whole) if option == USER_OPTION else (whole, row)
+        more, less = (row, whole) if option in ADDED_OPTIONS else (whole, row)
         cells, blocks = more["lc"] - less["lc"], more["ram"] - less["ram"]
         lines.append(f"| {option} | {more['lc']} / {less['lc']} | {cells} | {blocks} |")
     return "\n".join([*lines, "", f"iCE40 HX8K, {tools_line({**tools, 'nextpnr-ecp5': None})}, seed 1."])

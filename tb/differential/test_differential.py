@@ -185,7 +185,8 @@ class Match:
         assert seen.writes == self.slave.written, f"{shown}: expected writes {self.slave.written}, seen {seen.writes}"
         if expected:
             # a slow sender's stop bit ends later than the receiver thinks
-            early = (0 if self.ascii else self.t35) + self.inputs["response_delay"] * self.bit_time - 0.5 * self.bit_time
+            early = 0 if self.ascii else self.t35
+            early += (self.inputs["response_delay"] - 0.5) * self.bit_time
             assert seen.latency >= early, f"{shown}: answered {seen.latency} clocks after the request"
             lead, tail = self.inputs["de_lead"], self.inputs["de_tail"]
             assert lead <= seen.lead / self.bit_time <= lead + 1, f"{shown}: de leads {seen.lead} clocks"

@@ -333,7 +333,8 @@ class AsciiTraffic(Traffic):
         """`line` with one thing wrong."""
         rng = self.rng
         place = rng.randrange(1, len(line))
-        how = rng.choice(("bit", "character", "parity", "framing", "cut", "colon", "cr", "lrc", "digit", "long", "late"))
+        kinds = "bit character parity framing cut colon cr lrc digit long late"
+        how = rng.choice(kinds.split())
         if how == "bit":
             return line[:place] + bytes([line[place] ^ 1 << rng.randrange(7)]) + line[place + 1 :]
         if how == "character":

@@ -6,6 +6,7 @@ import os
 import select
 import signal
 import subprocess
+import sys
 import tempfile
 import termios
 import time
@@ -18,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 240  # the first start of a map or an identity compiles it
 VARIABLES = (
     *("DEVICE", "LINK", "PORT", "ADDRESS", "SLAVES", "BAUD", "PARITY", "STOP", "INIT", "MAP", "TRACE", "HOLD", "FAULT"),
-    *("WEB", "TCP", "RTU_TCP"),
+    *("WEB", "TCP", "RTU_TCP", "MODE", "DATA_BITS"),
 )
 
 
@@ -28,9 +29,11 @@ def command(**variables):
     return ["make", "serve", *[f"{name}={value}" for name, value in variables.items()]], env
 
 
-def refuse(**variables):
-    """Run `make serve` that must not start: (exit status, stderr lines other than make's own)."""
+def refuse(with_make=True, **variables):
+    """Run `make serve`, or serve.py alone, that must not start: (exit status, stderr lines other than make's own)."""
     argv, env = command(**variables)
+    if not with_make:
+        argv = [sys.executable, "sim/serve.py", *argv[2:]]
     done = subprocess.run(argv, cwd=ROOT, env=env, capture_output=True, text=True, timeout=60, check=False)
     lines = [s for s in done.stderr.splitlines() if s.strip() and not s.startswith(("make", "[setup]"))]
     assert not any(s.startswith("ready ") for s in done.stdout.splitlines()), done.stdout

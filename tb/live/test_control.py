@@ -197,7 +197,7 @@ BAD_COMMANDS = [
     "", "fly", "read", "read 17", "read 17 3 0", "read 17 3 0 0", "read 17 3 0 2049", "read 17 8 0 1", "read 18 3 0 1",
     "read x 3 0 1", "read 17 3 65535 2", "read 17 3 0 1 1", "write 17 3 0", "write 17 3 0 65536", "write 17 3 0 -1",
     "set", "set 17 colour 1", "set 17 busy 2", "set 17 busy x", "set 99 busy 1", "get 99", "status 99", "send",
-    "send 1",    "send xy", "send " + "00" * 513, "pins maybe", "unfault", "unfault x",
+    "send 1",    "send xy", "send " + "00" * 1027, "pins maybe", "unfault", "unfault x",
 ]  # fmt: skip
 
 

@@ -2,8 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """The receiver of ASCII mode (MODBUS over Serial Line V1.02, clause 2.5.2): characters to frames, without signals.
 
-A frame is `:`, two of 0-9 A-F for each byte, the LRC last, CR and the delimiter.  `:` inside a frame begins anew; the part
-before it is a bad frame if any character followed its own colon.  Characters outside a frame are ignored.
+A frame is `:`, two of 0-9 A-F for each byte, the LRC last, CR and the delimiter.  `:` inside a frame begins anew; the
+part before it is a bad frame if any character followed its own colon.  Characters outside a frame are ignored.
 """
 
 from .defs import CARRIAGE_RETURN, COLON, HEXADECIMAL, LONGEST_ASCII, SHORTEST_ASCII

@@ -11,6 +11,7 @@ from collections import Counter
 from . import frames, identity
 from .access import DataAccess
 from .ascii import Receiver
+from .characters import Character, characters
 from .defs import (
     BROADCAST,
     ERRORS,
@@ -24,7 +25,6 @@ from .defs import (
     LONGEST_PDU,
     SHORTEST_FRAME,
 )
-from .characters import Character, characters
 from .diagnostics import Diagnostics, Refused
 from .memory import REGISTER_BITS, Config, Memory
 

@@ -4,11 +4,13 @@
 
 import cocotb
 from cocotb.triggers import Timer
-from harness import bench
 from harness.bench import CLOCK_PS, Bench
 from harness.lines import with_error, with_gap
+from harness.traffic import AsciiTraffic
+from harness.volume import volume
 from protocol import frames, vectors
-from protocol.defs import ASCII_FORMATS, FC, RECEIVED, RECEIVED_ERROR, RECEIVED_OVERRUN, Space, Sub
+from protocol.defs import ASCII_FORMATS, FC, RECEIVED, RECEIVED_ERROR, RECEIVED_OVERRUN, Sub
+
 from system.vectors_at_pins import afterwards, prepare
 
 OWN, OTHER = 17, 18
@@ -62,7 +64,7 @@ async def every_format(dut, fmt):
     assert await tb.both(write(0x1234)) is not None
     assert await tb.both(frames.ascii_adu(OWN, frames.write_registers(0, words))) is not None
     assert await tb.both(frames.ascii_adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 125))) is not None
-    assert await tb.both(write(0xBAD, OTHER) + write(0xCAFE)) is not None      # back to back behind one for another
+    assert await tb.both(write(0xBAD, OTHER) + write(0xCAFE)) is not None  # back to back behind one for another
     assert await tb.both(write(0x4711, 0)) is None
     assert await tb.both(READ) is not None
     await tb.finish()
@@ -219,7 +221,7 @@ async def an_empty_message_does_not_lock_the_port(dut):
     for line in (b":\r\n", b"::\r\n", b"\r\n", b":\r:\r\n", b":1\r\n", b":11\r\n", b":1107\r\n", b":11EF\r\n"):
         assert await tb.both(line, note=f"{line}") is None
         assert await tb.both(READ, note=f"after {line}") is not None
-    assert await tb.both(frames.ascii_adu(OWN, b"\x07")) is not None          # three bytes are a frame
+    assert await tb.both(frames.ascii_adu(OWN, b"\x07")) is not None  # three bytes are a frame
     await tb.finish()
 
 
@@ -269,7 +271,7 @@ async def the_delimiter_is_set_and_restart_sets_it_back(dut):
         assert await tb.both(with_end(end, frames.ascii_adu(OWN, frames.restart()))) is not None
         assert await tb.both(READ) is not None
         await spoiled_or_not(tb, with_end(b"#"), False)
-    assert await tb.both(delimiter(0xA3)) is not None                         # # with bit 7
+    assert await tb.both(delimiter(0xA3)) is not None  # # with bit 7
     assert await tb.both(with_end(b"#")) is not None
     await tb.finish()
 
@@ -325,7 +327,7 @@ async def an_answer_waits_for_the_stop_bits(dut, fmt, bit_time):
 
 @cocotb.test()
 async def late_answers_and_strict_turnaround(dut):
-    """A colon since the request makes the answer late; other characters do not.  Strict turnaround waits for nothing."""
+    """A colon since the request makes the answer late; other characters do not.  Strict turnaround does not wait."""
     tb = await start(dut, drop_late=1, strict_turnaround=1, response_delay=200)
     for noise, answered in ((b"11", True), (b":1", False)):
         await tb.send(READ + noise)
@@ -366,11 +368,9 @@ async def the_master_may_be_two_percent_off(dut):
 @cocotb.test()
 async def random_requests(dut):
     """What RTU gets in random_requests, in ASCII mode."""
-    from harness.traffic import AsciiTraffic
-
     tb = await start(dut, bit_time=8)
     traffic = AsciiTraffic(tb.rng, tb.slave.config, tb.slave)
-    for _ in range(60):
+    for _ in range(volume("random requests in a simulator")):
         line, kind = traffic.line()
         await tb.both(line, note=kind)
     await tb.finish()

@@ -5,9 +5,10 @@
 Each is a search and replace in one file, and its text must stand there once.
 """
 
+from . import ascii as ascii_mode
 from . import bank, bus, core, engine, examples, line
 from .kinds import Mistake
 
-MISTAKES = [mistake for room in (line, engine, bank, bus, examples, core) for mistake in room.MISTAKES]
+MISTAKES = [mistake for room in (line, ascii_mode, engine, bank, bus, examples, core) for mistake in room.MISTAKES]
 
 __all__ = ["MISTAKES", "Mistake"]

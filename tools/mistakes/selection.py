@@ -16,6 +16,7 @@ MODULES_ALONE = {
     "frame_rx": ("modbus_frame_rx.v",),
     "frame_tx": ("modbus_frame_tx.v",),
     "line": ("modbus_line.v", "modbus_frame_rx.v", "modbus_frame_tx.v", "modbus_line_timer.v", "modbus_uart.v"),
+    "ascii": ("modbus_ascii.v",),
     "bank_guard": ("modbus_bank_guard.v",),
     "sequencer": ("modbus_sequencer.v",),
     "range": ("modbus_range.v",),
@@ -44,6 +45,11 @@ SELECTION = [
         "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
         "|own_|breaks|right_after|during|after_reset",
     ),
+    (
+        "ascii_mode",
+        "parity|gap_above|do_not_add|colon|cr_in|long_frames.*length=2|delimiter|ends_the_frame|stop_bits"
+        "|every_format.*fmt=[04]",
+    ),
     ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory|late_answer.*drop=1"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
@@ -64,6 +70,7 @@ SELECTION = [
 # What is tried first for a mistake in a file, since it is about that file.
 IDENTITY = ("identity_small", "identity_above", "identity_01", "identity_82")
 FIRST = {
+    "modbus_ascii.v": ("ascii", "ascii_mode"),
     "modbus_identity.v": IDENTITY,
     "modbus_routines_identity.vh": IDENTITY,
     "modbus_routines_files.vh": ("files", "core_files", "fifo"),
