@@ -21,7 +21,7 @@ from master import TRACE, Failure, Master, NoDevice, device  # noqa: E402
 from protocol import vectors  # noqa: E402
 from protocol import words_special as special  # noqa: E402
 from protocol.defs import DIAGNOSTIC_FUNCTIONS, EX, FC, OVERRUN_FLAG, Space  # noqa: E402
-from protocol.frames import adu, bad_crc, bare, read, text, write_coil  # noqa: E402
+from protocol.frames import adu, bad_crc, bare, read, sealed, text, write_coil  # noqa: E402
 from protocol.memory import Config  # noqa: E402
 from protocol.model import Slave  # noqa: E402
 from protocol.pdm import Event, EventRecords  # noqa: E402
@@ -202,7 +202,7 @@ class Play:
         shown = text
         if in_ascii(vector):  # the characters, and the words about what they carry
             printed, expected = (vector[f"{name}_chars"].encode() for name in ("request", "expected_response"))
-            shown = characters
+            shown, binary = characters, [sealed(data[:-1]) for data in binary]  # the words are about RTU frames
         repeats_log = "event_log" in vectors.state(vector["preconditions"])
         got = master.ask(printed)
         sent, took = master.sent or b"", master.seconds

@@ -431,6 +431,9 @@ def start(given):
     values = DEFAULTS | named
     if "SLAVES" in named and "ADDRESS" in named:
         raise BadVariable("SLAVES: leave ADDRESS out")
+    for name in ("TCP", "RTU_TCP"):
+        if values["MODE"] == "ascii" and values[name]:
+            raise BadVariable(f"{name}: needs MODE=rtu")
     hold = number("HOLD", values["HOLD"], HOLD_MS)
     armed = faults.parse(values["FAULT"])
     link = values["LINK"]

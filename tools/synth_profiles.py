@@ -106,8 +106,7 @@ OPTIONS: dict[str, tuple[tuple[int, ...], dict[str, str]]] = {
     "18: FIFO": ((0x18,), {}),
 }
 USER_OPTION = "user functions 65 to 72"
-ASCII_OPTION = "ASCII mode"
-ADDED_OPTIONS = (USER_OPTION, ASCII_OPTION)  # `full` does not have them
+ADDED_OPTIONS = (USER_OPTION,)  # `full` does not have them
 ALL_CODES = 0x0000080001F399FE
 USER_CODES = "128'h000000000000000001FE0000000000000000"  # 65 to 72
 
@@ -121,5 +120,4 @@ def option_designs() -> dict[str, tuple[dict[str, str], dict[str, int]]]:
         designs[option] = ({**parameters, "FUNCTION_CODES": f"128'h{mask:X}", **others}, ties)
     without_user = {port: value for port, value in ties.items() if port not in USER_OFF}
     designs[USER_OPTION] = ({**parameters, "USER_CODES": USER_CODES}, without_user)
-    designs[ASCII_OPTION] = ({**parameters, "ASCII_MODE": "1"}, ties)
     return designs

@@ -109,6 +109,7 @@ def test_a_pause_of_more_than_a_second_ends_the_frame(device):
     [
         ({"MODE": "tcp"}, "MODE=tcp: must be rtu or ascii"),
         ({"MODE": "ascii", "DATA_BITS": "6"}, "DATA_BITS=6: must be 7 or 8"),
+        ({"MODE": "ascii", "TCP": "5020"}, "TCP: needs MODE=rtu"),
         ({"DATA_BITS": "7"}, "DATA_BITS=7: RTU mode has characters of 8 bits"),
         ({"MODE": "ascii", "DEVICE": "pdm"}, "MODE=ascii: the PDM meter has RTU mode alone, leave DEVICE=pdm out"),
         (
