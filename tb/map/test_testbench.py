@@ -109,7 +109,9 @@ def test_mistake_is_seen(name, old, new, case):
         assert text.count(old) >= 1, f"`{old}` is not in {name}.v"
         return text.replace(old, new, 1)
 
-    status, results, said = bench_of(load_device(REFERENCE[name])[0], f"{name}_{MISTAKES.index((name, old, new, case))}", plant, case)
+    status, results, said = bench_of(
+        load_device(REFERENCE[name])[0], f"{name}_{MISTAKES.index((name, old, new, case))}", plant, case
+    )
     assert status == 1 and results == {case: False}, said[-3000:]
 
 
@@ -117,5 +119,7 @@ def test_one_line_without_the_core(tmp_path):
     device, _ = load_device(REFERENCE["relay_box"])
     (tmp_path / "test_relay_box.py").write_text(testbench.generate(device)["test_relay_box.py"], encoding="utf-8")
     settings = {name: value for name, value in os.environ.items() if name != "MODBUS_RTU"}
-    done = subprocess.run([sys.executable, tmp_path / "test_relay_box.py"], env=settings, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "test_relay_box.py"], env=settings, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "MODBUS_RTU is not set" in done.stderr
