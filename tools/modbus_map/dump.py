@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import io
-from fractions import Fraction
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -171,8 +170,3 @@ def value_of(point: Point, raw: int) -> Any:
 
 def _plain(number: float) -> Any:
     return int(number) if float(number).is_integer() and abs(number) < 1e15 else float(number)
-
-
-def decimal(number: Fraction) -> str:
-    """A number as a person writes it."""
-    return str(number.numerator) if number.denominator == 1 else f"{float(number):.12g}"

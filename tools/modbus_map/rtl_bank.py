@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from modbus_map.model import SPACES, Device, Point
 from modbus_map.rtl_plan import COMPARED_ENUM, FILES_SPACE, Area, Item, Plan, runs
 from modbus_map.rtl_text import aligned, bits, fill, literal, slice_of
@@ -468,7 +470,6 @@ class Bank:
             lines.append(f"  wire {bits(count)} value = {{" + (",\n" + " " * 30).join(f"{p}" for p in parts) + "};")
         else:
             lines.append("  wire [15:0] value = wb_dat_i;")
-        rows = [(point, item) for point in plan.limited for item in self.items_of(point)]
         swaps = sorted({p.width for p in plan.limited if p.width > 1 and p.word_order == "little"})
         kinds = {kind_of(p) for p in plan.limited}
         lines += ["  // Limits, in an order in which unsigned numbers compare.  Without limits: all values."]
@@ -487,33 +488,10 @@ class Bank:
         lines += ["", "  always @* begin", f"    least = {count}'d0;", f"    most  = {{{count}{{1'b1}}}};"]
         flags = ["is_signed"] * (SIGNED in kinds) + ["is_float"] * (FLOAT in kinds)
         lines += [f"    {flag} = 1'b0;" for flag in [*flags, *(f"is_little_{width}" for width in swaps)]]
-        lines += ["    listed = 1'b1;"] if lists else []
-        memory = [(p, i) for p, i in rows if p.kind == "memory"]
-        plain = [(p, i) for p, i in rows if p.kind != "memory"]
-        if plain:
-            guard = f"{'~in_memory' if plan.areas else ''}{' & ' if plan.areas and plan.has_free_addresses(3) else ''}{'holding_is' if plan.has_free_addresses(3) else ''}"
-            indent = "    "
-            if guard:
-                lines.append(f"    if ({guard})")
-                indent = "      "
-            lines.append(f"{indent}case (holding)")
-            done: set[str] = set()
-            for point, _ in plain:
-                if point.name in done:
-                    continue
-                done.add(point.name)
-                keys = [
-                    literal(plan.key_width(3), plan.key(3, a)) for item in self.items_of(point) for a in item.addresses
-                ]
-                lines += [f"{indent}  {line}" for line in fill(keys, ": begin")]
-                lines += [f"{indent}    {line}" for line in self.limits(point, count, value)]
-                lines.append(f"{indent}  end  // {point.name}")
-            lines += [f"{indent}  default: ;", f"{indent}endcase"]
-        for point in dict.fromkeys(p for p, _ in memory):
-            lines.append(f"    if ({between('address', point.at, point.last)}) begin  // {point.name}")
-            lines += [f"      {line}" for line in self.limits(point, count, value)]
-            lines.append("    end")
-        lines += ["  end", ""]
+        lines += [*self.by_point(lambda point: self.limits(point, count)), "  end", ""]
+        if lists:  # a block of its own, since it reads what the one above sets
+            lines += ["  always @* begin", "    listed = 1'b1;"]
+            lines += [*self.by_point(lambda point: self.listed(point, count, value)), "  end", ""]
         order, sign = value, f"{value}[{count - 1}]"
         if FLOAT in kinds or SIGNED in kinds:
             flips = []
@@ -544,22 +522,52 @@ class Bank:
             choice = f"is_little_{width} ? {{{', '.join(parts + rest)}}} :\n{' ' * 26}{choice}"
         return ["  // The most significant word on top", f"  wire {bits(count)} high_first = {choice};"]
 
-    def limits(self, point: Point, count: int, value: str) -> list[str]:
+    def by_point(self, statements: Callable[[Point], list[str]]) -> list[str]:
+        """Statements about the limited point that the address is of."""
+        plan, lines = self.plan, []
+        chosen = [(point, found) for point in plan.limited if (found := statements(point))]
+        plain = [(point, found) for point, found in chosen if point.kind != "memory"]
+        if plain:
+            terms = ["~in_memory"] * bool(plan.areas) + ["holding_is"] * plan.has_free_addresses(3)
+            indent = "      " if terms else "    "
+            lines += [f"    if ({' & '.join(terms)})"] if terms else []
+            lines.append(f"{indent}case (holding)")
+            for point, found in plain:
+                keys = [
+                    literal(plan.key_width(3), plan.key(3, a)) for item in self.items_of(point) for a in item.addresses
+                ]
+                lines += [f"{indent}  {line}" for line in fill(keys, ": begin")]
+                lines += [f"{indent}    {line}" for line in found]
+                lines.append(f"{indent}  end  // {point.name}")
+            lines += [f"{indent}  default: ;", f"{indent}endcase"]
+        for point, found in chosen:
+            if point.kind == "memory":
+                lines.append(f"    if ({between('address', point.at, point.last)}) begin  // {point.name}")
+                lines += [f"      {line}" for line in found]
+                lines.append("    end")
+        return lines
+
+    @staticmethod
+    def listed(point: Point, count: int, value: str) -> list[str]:
+        """The assignment that compares a value with an enum which is no range."""
+        if is_range(point):
+            return []
+        top = slice_of(value, count, count - 1, count - point.bits)
+        return ["listed = " + " | ".join(f"({top} == {literal(point.bits, e.raw)})" for e in point.enum) + ";"]
+
+    @staticmethod
+    def limits(point: Point, count: int) -> list[str]:
         """The assignments that give the limits of a point."""
         shift = count - point.bits
-
-        def number(raw: int) -> str:
-            return literal(count, raw << shift)
-
         lines = []
-        kind = kind_of(point)
         if is_range(point):
             low, high = limits_of(point)
-            lines += [f"least = {number(low)};", f"most  = {literal(count, (high << shift) | ((1 << shift) - 1))};"]
+            kind = kind_of(point)
+            lines += [
+                f"least = {literal(count, low << shift)};",
+                f"most  = {literal(count, (high << shift) | ((1 << shift) - 1))};",
+            ]
             lines += ["is_signed = 1'b1;"] if kind == SIGNED else ["is_float = 1'b1;"] if kind == FLOAT else []
-        else:
-            top = slice_of(value, count, count - 1, shift)
-            lines.append("listed = " + " | ".join(f"({top} == {literal(point.bits, e.raw)})" for e in point.enum) + ";")
         if point.width > 1 and point.word_order == "little":
             lines.append(f"is_little_{point.width} = 1'b1;")
         return lines
