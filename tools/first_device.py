@@ -155,19 +155,19 @@ def module(source: str, device) -> str:
     rows = source.splitlines()
     ports = device.port_list()
     sides = {way: [p for p in ports if p.direction == way] for way in ("input", "output")}
-    pitch, top, left, right, wide = 26, 86, 800, 980, 1150
+    pitch, top, left, right, wide = 26, 86, 880, 1060, 1220
     height = max(top + pitch * max(map(len, sides.values())) + 40, 90 + 19 * len(rows))
     out = HEAD.format(width=wide, height=height, paper="#fff")
     out += text(24, 34, "relay_box.yaml", "n", ' font-weight="600"')
-    out += f'  <rect x="16" y="46" width="560" height="{19 * len(rows) + 20}" class="b" rx="4"/>\n'
+    out += f'  <rect x="16" y="46" width="640" height="{19 * len(rows) + 20}" class="b" rx="4"/>\n'
     for n, row in enumerate(rows):
         key, colon, rest = row.partition(":")
-        shown = html.escape(row if len(row) < 76 else row[:72] + " …")
-        if not row.startswith(" ") and len(row) < 76:
+        shown = html.escape(row if len(row) < 92 else row[:88] + " …")
+        if not row.startswith(" ") and len(row) < 92:
             shown = f'<tspan class="k">{html.escape(key)}</tspan>{html.escape(colon + rest)}'
         out += f'  <text x="26" y="{68 + 19 * n}" class="t" font-size="11.5">{shown}</text>\n'
-    out += text(632, top + 44, "make map", "n m", ' font-weight="600"')
-    out += f'  <path d="M590 {top + 54} h76 m-9 -6 l9 6 l-9 6" class="l"/>\n'
+    out += text(706, top + 44, "make map", "n m", ' font-weight="600"')
+    out += f'  <path d="M664 {top + 54} h76 m-9 -6 l9 6 l-9 6" class="l"/>\n'
     bottom = top + pitch * max(map(len, sides.values()))
     out += f'  <rect x="{left}" y="{top - 24}" width="{right - left}" height="{bottom - top + 24}" class="b" rx="3"/>\n'
     out += text((left + right) / 2, top - 34, device.name, "n m", ' font-weight="600"')
