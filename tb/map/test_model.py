@@ -4,6 +4,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -394,3 +395,33 @@ def test_first_map_of_the_document_is_right():
     first = text.split("```yaml\n", 1)[1].split("```", 1)[0]
     device, notes = checks.compile_source(loader.parse(first, "first"))
     assert notes == [] and len(first.splitlines()) <= 11 and len(device.points) == 4
+
+
+# ------------------------------------------------------------------ the command
+
+
+def test_old_packages_are_told_in_one_line(tmp_path):
+    """Packages of another version than tools/requirements/map.txt names are not used; this stands in for a bad .venv."""
+    place = tmp_path / "pydantic-1.10.2.dist-info"
+    place.mkdir()
+    (place / "METADATA").write_text("Metadata-Version: 2.1\nName: pydantic\nVersion: 1.10.2\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, ROOT / "tools/modbus", "map", "check", MAPS["drive"]],
+        env={**os.environ, "PYTHONPATH": str(tmp_path), "MODBUS_MAP_INSTALLED": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert re.search(r"lacks pydantic \S+ \(here 1\.10\.2\); run make map", done.stderr), done.stderr
+
+
+def test_additional_data_as_a_text_is_as_long_as_the_schema_says():
+    for length, good in ((249, True), (250, False)):
+        tree = {"device": "box", "identity": {"additional_data": "x" * length}, "coils": [{"at": 0, "name": "a"}]}
+        assert VALIDATOR.is_valid(tree) is good
+        text = f"device: box\nidentity: {{additional_data: {'x' * length}}}\ncoils: [{{at: 0, name: a}}]\n"
+        try:
+            assert len(device_of(text).identity.additional_data) == length and good
+        except loader.MapError as error:
+            assert not good and "250 bytes do not fit; 1 to 249" in str(error.diagnostics[0])

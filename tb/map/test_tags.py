@@ -4,6 +4,7 @@
 
 import ast
 import csv
+import dataclasses
 import json
 import shutil
 import struct
@@ -15,6 +16,7 @@ import pytest
 import tomllib
 import voluptuous as vol
 import yaml
+from modbus_map.model import TABLES
 from modbus_map.outputs import tags
 
 from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
@@ -263,6 +265,53 @@ def test_mbmap(device):
                 number = unpacked(entry["type"], bytes_of(part, entry.get("wordOrder") == "little"))
                 value = pytest.approx(number * entry.get("scale", 1) + entry.get("offset", 0), rel=1e-12)
             assert values[entry["name"]] == value, entry["name"]
+
+
+# ---------------------------------------------------------------- a device that answers short requests only
+
+
+def test_no_request_is_longer_than_the_map_allows():
+    """`core: {MAX_READ_REGISTERS: ..., ...}` of the map holds for every program that polls."""
+    few = {"MAX_READ_REGISTERS": 6, "MAX_WRITE_REGISTERS": 4, "MAX_READ_BITS": 3, "MAX_WRITE_BITS": 2}
+    device = dataclasses.replace(EVERYTHING, core=tuple((dict(EVERYTHING.core) | few).items()))
+    most = {
+        table: few["MAX_READ_BITS" if table in ("coils", "discrete_inputs") else "MAX_READ_REGISTERS"]
+        for table in TABLES
+    }
+    names = {"coil": "coils", "discrete": "discrete_inputs", "holding": "holding_registers", "input": "input_registers"}
+    seen = set()
+    for request in TELEGRAF(tomllib.loads(tags.telegraf(device)))["inputs"]["modbus"][0]["request"]:
+        ends = []
+        for field in request["fields"]:
+            kind = field.get("type", "BIT")
+            size = field["length"] if kind == "STRING" else max(1, int(kind.lstrip("BUINTFLOA") or 1) // 16)
+            ends.append((field["address"], field["address"] + size))
+            seen.add(field["name"])
+        assert max(end for _, end in ends) - min(at for at, _ in ends) <= most[names[request["register"]]]
+    fits = {
+        f"{p.name}_{k}" if p.is_array else p.name
+        for p in device.points
+        if p.readable and p.width <= most[p.table]
+        for k in range(p.count)
+    }
+    assert seen == fits
+    entities = {name: table for table, name in tags.WOT_ENTITY.items()}
+    thing = json.loads(tags.web_of_things(device))
+    jsonschema.Draft7Validator(schema("td-1.1.json")).validate(thing)
+    covered = set()
+    for about in thing["properties"].values():
+        form = about["forms"][0]
+        table = entities[form["modv:entity"]]
+        at, quantity = (int(n) for n in form["href"].split("/")[2].split("?quantity="))
+        covered |= {(table, a) for a in range(at, at + quantity)}
+        if "readproperty" in form["op"]:
+            assert quantity <= most[table]
+        if "writeproperty" in form["op"]:
+            assert quantity <= few["MAX_WRITE_BITS" if table == "coils" else "MAX_WRITE_REGISTERS"]
+    for point in device.points:
+        limit = most[point.table] if point.readable else 4
+        for item in range(point.count if point.width <= limit else 0):
+            assert {(point.table, a) for a in point.addresses(item)} <= covered, point.name
 
 
 # ---------------------------------------------------------------- modpoll
