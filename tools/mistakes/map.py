@@ -102,7 +102,7 @@ MISTAKES = [
     ),
     Mistake("compiler_telegraf_word_order", "tags.py", '"CDAB" if little else "ABCD"', '"ABCD"'),
     Mistake("compiler_home_assistant_word_order", "tags.py", '("swap", "word")', '("swap", "byte")'),
-    Mistake("compiler_web_of_things_quantity", "tags.py", "?quantity={point.size}", "?quantity={point.count}"),
+    Mistake("compiler_web_of_things_quantity", "tags.py", "?quantity={count * point.width}", "?quantity={count}"),
     Mistake(
         "compiler_node_red_scale", "node_red.py", "return n * p.up / p.down + p.offset;", "return n * p.up / p.down;"
     ),
