@@ -17,6 +17,7 @@ USUAL = {
     "suites on gates": 0,
     "builds on gates": 2,
     "random maps": 60,
+    "seconds that 32 live devices are polled": 3,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
@@ -31,6 +32,7 @@ FULL = {
     "suites on gates": 6,
     "builds on gates": 4,
     "random maps": 5_000,
+    "seconds that 32 live devices are polled": 60,
 }
 
 
