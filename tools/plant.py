@@ -47,8 +47,8 @@ TEST = re.compile(r"[\w/=.+,-]+")  # the name of a cocotb test
 HEAD = """# Deliberate mistakes
 
 `make mistakes UPDATE=1` writes this table. It plants each mistake of [`tools/mistakes/`](../tools/mistakes) in a copy
-of the RTL, or of the map compiler, and runs a selection of the tests until one fails. The table names the suite and the test that failed first;
-others may notice the mistake too.
+of the RTL, or of the map compiler, and runs a selection of the tests until one fails. The table names the suite and the
+test that failed first; others may notice the mistake too.
 
 | Mistake | In | Caught by |
 |---|---|---|
