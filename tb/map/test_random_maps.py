@@ -15,6 +15,8 @@ from map import random_maps
 from map.batch import ADDRESS, Batch
 from map.match import Match
 
+COUNT = int(os.environ.get("MAPS", volume("random maps")))
+SHARE = 500  # maps of one test
 BATCH = 30  # maps in one compilation
 PLAYS, REQUESTS = 12, 8  # a play begins with a reset and has up to so many requests
 
@@ -39,11 +41,12 @@ def fault(match, seed):
     return ""
 
 
-def test_random_maps_agree_with_their_oracle(seed):
-    count = int(os.environ.get("MAPS", volume("random maps")))
-    print(f"seed {seed}, {count} maps of up to {PLAYS * REQUESTS} requests")
-    for first in range(0, count, BATCH):
-        devices = random_maps.devices(seed + first, min(BATCH, count - first), f"m{first}_")
+@pytest.mark.parametrize("start", range(0, COUNT, SHARE))
+def test_random_maps_agree_with_their_oracle(seed, start):
+    end = min(start + SHARE, COUNT)
+    print(f"seed {seed}, maps {start} to {end - 1} of up to {PLAYS * REQUESTS} requests")
+    for first in range(start, end, BATCH):
+        devices = random_maps.devices(seed + first, min(BATCH, end - first), f"m{first}_")
         batch = Batch(devices)
         for number, device in enumerate(devices):
             if wrong := fault(Match(batch, number), seed + first + number):
