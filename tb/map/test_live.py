@@ -149,7 +149,8 @@ def sampled(point):
             continue
         if point.accepts(raw) and raw not in point.resets:
             return raw
-    return next((raw for raw in (point.minimum, point.maximum) if raw is not None and raw not in point.resets), None)
+    others = (point.minimum, point.maximum, *(item.raw for item in point.enum))
+    return next((raw for raw in others if raw is not None and raw not in point.resets), None)
 
 
 def refused_value(point):
