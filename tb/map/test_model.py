@@ -425,3 +425,15 @@ def test_additional_data_as_a_text_is_as_long_as_the_schema_says():
             assert len(device_of(text).identity.additional_data) == length and good
         except loader.MapError as error:
             assert not good and "250 bytes do not fit; 1 to 249" in str(error.diagnostics[0])
+
+
+@pytest.mark.parametrize("text", ["?", "? a", ":", ":?", "- a", "-", "a: b", "#", "{", "'", '"', "a # b", "~", "=", "%"])
+def test_texts_that_look_like_yaml_come_back(place, text):
+    """From the map to a map file and to SystemRDL, and back."""
+    tree = {"device": "box", "title": text, "doc": text, "coils": [{"at": 0, "name": "a", "doc": text}]}
+    tree["holding_registers"] = [{"at": 1, "name": "b", "unit": text, "enum": {1: text}, "reset": 1}]
+    device = device_of(written(tree))
+    assert device_of(dump.text(device)) == device
+    (name, made), *_ = rdl.generate(device).items()
+    (place / name).write_text(made, encoding="utf-8")
+    assert importer.load(place / name) == device
