@@ -6,9 +6,11 @@ import ast
 import csv
 import dataclasses
 import json
+import os
 import shutil
 import struct
 import subprocess
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -16,6 +18,7 @@ import pytest
 import tomllib
 import voluptuous as vol
 import yaml
+from modbus_map.checks import load_device
 from modbus_map.model import TABLES
 from modbus_map.outputs import tags
 
@@ -201,6 +204,31 @@ def test_home_assistant(device):
             assert kind.startswith("float") or abs(values[name] / step - round(values[name] / step)) < 1e-3, name
         written_only = {p.name for p in device.points if p.access == "wo" and p.table == "coils"}
         assert set(seen) == readable(device) | written_only
+
+
+HOME_ASSISTANT_WHEEL = os.environ.get("HOMEASSISTANT", "")
+WRONG = [("data_type: uint16", "data_type: uint17"), ("parity: ", "parity: X #"), ("address: ", "adress: ")]
+
+
+@pytest.mark.skipif(
+    not HOME_ASSISTANT_WHEEL,
+    reason="HOMEASSISTANT=wheel, from `pip download --no-deps homeassistant==2024.3.3`, is not given",
+)
+def test_home_assistant_by_its_own_schema():
+    """The schema of the program itself takes all samples and reference maps, and refuses what is wrong."""
+
+    def judged(text):
+        command = [sys.executable, Path(__file__).parent / "home_assistant.py", HOME_ASSISTANT_WHEEL]
+        return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+
+    maps = sorted((Path(__file__).parents[2] / "examples").glob("*/*.yaml"))
+    for device in (RELAY_BOX, EVERYTHING, *(load_device(path)[0] for path in maps)):
+        done = judged(tags.home_assistant(device))
+        assert done.returncode == 0, f"{device.name}: {done.stderr}"
+    good = tags.home_assistant(EVERYTHING)
+    for old, new in WRONG:
+        done = judged(good.replace(old, new, 1))
+        assert done.returncode == 1 and "Traceback" not in done.stderr, f"{new}: {done.stderr}"
 
 
 # ---------------------------------------------------------------- Web of Things, MBMap: their JSON Schemas
