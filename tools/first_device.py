@@ -33,7 +33,8 @@ LINK = "build/modbus"
 
 def blocks(kind: str) -> list[str]:
     """The code blocks of the page of a kind; "" for those without."""
-    return re.findall(rf"^```{kind}\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)
+    found = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
+    return [text for name, text in found if name == kind]
 
 
 def steps() -> list[tuple[str, list[str]]]:

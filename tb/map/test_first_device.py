@@ -50,6 +50,7 @@ def test_the_readme_begins_with_the_same_map():
     for place in (text, page):
         instance = re.search(r"^relay_box #\(.*?^\);", place, re.M | re.S)[0]
         assert re.findall(r"\.(\w+_[io])\(", instance) == ports
+    assert len(first_device.steps()) > 5
     for command, _ in first_device.steps()[:3]:
         assert command in text, f"README.md does not show {command}"
 
