@@ -17,6 +17,7 @@ USUAL = {
     "suites on gates": 0,
     "builds on gates": 2,
     "random maps": 60,
+    "random maps in Icarus": 1,
     "seconds that 32 live devices are polled": 3,
 }
 FULL = {
@@ -32,6 +33,7 @@ FULL = {
     "suites on gates": 6,
     "builds on gates": 4,
     "random maps": 5_000,
+    "random maps in Icarus": 6,
     "seconds that 32 live devices are polled": 60,
 }
 

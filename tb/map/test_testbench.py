@@ -9,6 +9,7 @@ import sys
 
 import pytest
 from harness.runner import PRODUCTS, ROOT
+from harness.volume import volume
 from modbus_map.checks import compile_source, load_device
 from modbus_map.loader import parse
 from modbus_map.outputs import testbench, verilog
@@ -17,7 +18,6 @@ from map import random_maps
 from map.output_devices import EVERYTHING
 
 REFERENCE = {path.stem: path for path in sorted(ROOT.glob("examples/*/*.yaml"))}
-RANDOM = 2  # random devices in Icarus; thousands in test_random_maps.py
 ODD = """
 device: odd
 line: {address: 200, format: 8O1, run_time: true}
@@ -78,7 +78,7 @@ def test_every_part_is_played():
     assert set(re.findall(r"^async def (\w+)\(dut", text, re.M)) == {*played, *everything}
 
 
-@pytest.mark.parametrize("number", range(RANDOM))
+@pytest.mark.parametrize("number", range(volume("random maps in Icarus")))
 def test_random_map_passes(number, seed):
     (device,) = random_maps.devices(1000 * seed + number, 1, f"random_{number}_")
     passes(device, f"random_{number}")
