@@ -5,9 +5,9 @@
 import json
 import os
 import re
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import jsonschema
@@ -348,13 +348,19 @@ def test_reference_map_is_built(tmp_path, name):
 
 
 def test_energy_meter_takes_less_than_two_seconds(tmp_path):
-    best = 99.0
-    for _ in range(3):
-        began = time.monotonic()
+    """Of a processor's time: others may want it too."""
+
+    def used():
+        children = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return children.ru_utime + children.ru_stime
+
+    taken = []
+    for _ in range(2):
+        before = used()
         done = modbus("build", MAPS["energy_meter"], "-o", tmp_path / "out")
         assert done.returncode == 0, done.stderr
-        best = min(best, time.monotonic() - began)
-    assert best < 2, f"{best:.2f} s"
+        taken.append(used() - before)
+    assert min(taken) < 2, f"{min(taken):.2f} s"
 
 
 # ------------------------------------------------------------------ CSV
