@@ -12,9 +12,9 @@
 // Format codes of the core: 0 = 8E1, 1 = 8O1, 2 = 8N2, 3 = 8N1.
 struct CharacterFormat {
   bool parity, odd;
-  int stops;
+  int stops, data = 8;  // bits
   explicit CharacterFormat(unsigned code) : parity(code < 2), odd(code == 1), stops(code == 2 ? 2 : 1) {}
-  int length() const { return 1 + 8 + parity + stops; }
+  int length() const { return 1 + data + parity + stops; }
   bool parity_bit(unsigned data) const { return __builtin_parity(data) ^ odd; }
 };
 

@@ -209,9 +209,21 @@ case $ROOT in
   *[[:space:]]*) die "make and Verilator cannot work below a path with blanks: $ROOT" ;;
 esac
 
+# Nothing to do: no lock, and nothing is written.
+if [ "$1" = apt ]; then
+  stamp=$VENV/apt-$2-$(hash_all).ok
+  [ -f "$stamp" ] && [ -z "$(lacking "$2" needed)$(lacking "$2" wanted)" ] && exit 0
+else
+  stamp=$VENV/$2-$(hash_all).ok
+  [ -f "$stamp" ] && "$VENV/bin/python" -c '' 2>/dev/null && exit 0
+fi
+if ! { mkdir -p "$VENV" && : >> .venv.lock; } 2>/dev/null; then
+  [ "$1" = apt ] && [ -z "$(lacking "$2" needed)" ] && exit 0
+  die "$ROOT may only be read, and something is missing for this target: make it once where it may be written"
+fi
+
 # One set-up at a time in a checkout: two makes started together must not write the same venv.
 command -v flock >/dev/null 2>&1 || die "flock is missing (package util-linux)"
-mkdir -p "$VENV"
 exec 9> .venv.lock
 flock -n 9 || { say "another make is installing, waiting for it"; flock 9; }
 

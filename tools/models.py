@@ -84,6 +84,8 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
     """
     key = model.digest()
     made = cache / key / ("model.so" if model.shared else "model")
+    if made.exists():  # perhaps in a folder that may only be read
+        return made
     cache.mkdir(parents=True, exist_ok=True)
     with open(cache / f"{key}.lock", "w") as lock:  # two may want the same at the same moment
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -155,9 +157,25 @@ def _runtime(include: Path, folder: Path) -> list[str]:
     return [str(path) for path in made]
 
 
+def _compiler_cache(environment: Mapping[str, str], place: Path) -> dict[str, str]:
+    """A folder for ccache, which g++ may be, where it could not make its own: without one it compiles nothing."""
+    if "CCACHE_DIR" in environment or "CCACHE_CONFIGPATH" in environment:
+        return {}
+    if "ccache" not in Path(shutil.which("g++") or "").resolve().name:
+        return {}
+    try:
+        wanted = Path(environment.get("XDG_CACHE_HOME") or Path(environment.get("HOME") or "/nonexistent") / ".cache")
+        wanted.mkdir(parents=True, exist_ok=True)
+        usable = os.access(wanted, os.W_OK)
+    except OSError:
+        usable = False
+    return {} if usable else {"CCACHE_DIR": str(place / "ccache")}
+
+
 def _run(command: list[str], folder: Path) -> str:
     """Output of a command, which ends with us; BuildError if it fails. All that is said is in build.log."""
     environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    environment |= _compiler_cache(environment, folder.parent)
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     try:
         process = subprocess.Popen(command, env=environment, start_new_session=True, **pipes)

@@ -19,6 +19,10 @@ USUAL = {
     "random maps": 60,
     "random maps in Icarus": 1,
     "seconds that 32 live devices are polled": 3,
+    "reopened clients": 300,
+    "live devices": 4,
+    "seconds of live devices": 3,
+    "soak requests": 900,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
@@ -35,6 +39,10 @@ FULL = {
     "random maps": 5_000,
     "random maps in Icarus": 6,
     "seconds that 32 live devices are polled": 60,
+    "reopened clients": 4_000,
+    "live devices": 32,
+    "seconds of live devices": 30,
+    "soak requests": 100_000,
 }
 
 
