@@ -115,8 +115,8 @@ MISTAKES = [
     Mistake(
         "compiler_live_word_of_an_input",
         "live.py",
-        "[{WORD} * host_adr_q[15:0] +: {WORD}]",
-        "[{WORD // 2} * host_adr_q[15:0] +: {WORD}]",
+        "inputs_q[{WORD} * item +: {WORD}]",
+        "inputs_q[{WORD // 2} * item +: {WORD}]",
     ),
     Mistake(
         "compiler_rdl_forgets_an_offset", "rdl.py", '"enum", "unit", "scale", "offset")', '"enum", "unit", "scale")'
