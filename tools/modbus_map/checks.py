@@ -69,7 +69,6 @@ def compile_source(source: Source) -> tuple[Device, list[Diagnostic]]:
 class _Compiler(Judge):
     def __init__(self, source: Source) -> None:
         super().__init__(source)
-        self.notes += source.problems
         self.names: dict[str, tuple[str, Path_]] = {}  # lower case -> name, path
         self.paths: dict[str, Path_] = {}  # of the points, by name
         self.zero_gaps: set[str] = set()

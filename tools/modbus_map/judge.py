@@ -18,7 +18,7 @@ class Judge:
 
     def __init__(self, source: Source) -> None:
         self.source = source
-        self.notes: list[Diagnostic] = []
+        self.notes: list[Diagnostic] = list(source.problems)
 
     def error(self, path: Path_, text: str, key: bool = False) -> None:
         self.notes.append(self.source.diagnostic(path, text, key))
