@@ -135,7 +135,7 @@ def random_device(rng, name):
         points = [point("coils", 0, "only")]
     points = rng.sample(points, len(points))
     zero = frozenset(t for t in TABLES if rng.chance(15) and any(p.table == t for p in points))
-    files = [File(n, f"file{n}", rng.randint(1, 40), rng.choice(("rw", "ro"))) for n in (1, 2, 7) if rng.chance(15)]
+    files = [File(n, f"file{n}", rng.randint(1, 40), rng.choice(("rw", "ro"))) for n in (1, 2, 7) if rng.chance(30)]
     return device(name, points, zero_gaps=zero, files=files, functions=(1, 2, 3, 4, 5, 6, 15, 16, 20, 21, 22, 23))
 
 
@@ -245,8 +245,11 @@ def pdu(rng, device_):
         first, quantity = spot(rng, device_, "holding_registers", 60)
         words = words_for(rng, device_, "holding_registers", first, quantity)
         return struct.pack(f">BHHHHB{quantity}H", code, read, count, first, quantity, 2 * quantity, *words)
-    file = rng.choice([f.number for f in device_.files] or [1]) if not rng.chance(10) else 3
-    group = struct.pack(">BHHH", 6, file, rng.randint(0, 40), quantity := rng.randint(1, 10))
+    file = rng.choice(device_.files) if device_.files and not rng.chance(10) else File(3, "none", 20, "rw")
+    first = rng.randint(0, file.records)
+    rest = max(1, file.records - first)
+    quantity = min(rng.choice((1, rest, rest, rest + 1, rng.randint(1, 10))), 40)
+    group = struct.pack(">BHHH", 6, file.number, first, quantity)
     if code == 20:
         return bytes([code, len(group)]) + group
     group += bytes(rng.getrandbits(8) for _ in range(2 * quantity))

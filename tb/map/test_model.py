@@ -397,7 +397,7 @@ def test_tables_of_the_reference_are_current():
 
 
 def test_first_map_of_the_document_is_right():
-    text = (ROOT / "docs/map.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/first_device.md").read_text(encoding="utf-8")
     first = text.split("```yaml\n", 1)[1].split("```", 1)[0]
     device, notes = checks.compile_source(loader.parse(first, "first"))
     assert notes == [] and len(first.splitlines()) <= 11 and len(device.points) == 4
