@@ -16,6 +16,7 @@ import argparse
 import html
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -201,7 +202,13 @@ def screenshot(page: Path, picture: Path) -> None:
     subprocess.run([program, *options, f"--screenshot={picture}", page.as_uri()], check=True, capture_output=True)
 
 
-def update(folder: Path, said: list[tuple[str, list[str]]], seconds: float) -> None:
+def used() -> float:
+    """Seconds of a processor's time that all programs have taken so far."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return children.ru_utime + children.ru_stime
+
+
+def update(folder: Path, said: list[tuple[str, list[str]]], taken: float) -> None:
     """Time and pictures, from the folder in which the page was played."""
     sys.path.insert(0, str(ROOT / "tools"))
     from modbus_map.checks import compile_source
@@ -213,8 +220,7 @@ def update(folder: Path, said: list[tuple[str, list[str]]], seconds: float) -> N
     (docs / "first_device_module.svg").write_text(module(source, device), encoding="utf-8")
     (docs / "first_device_terminal.svg").write_text(terminal(said), encoding="utf-8")
     screenshot(folder / "build/relay_box/relay_box.html", docs / "first_device_manual.png")
-    cores = os.cpu_count()
-    took = f"The first answer came {seconds:.0f} seconds after step 1, on {cores} cores; .venv was made in that time."
+    took = f"All of it takes {taken:.0f} seconds of a processor's time, the making of .venv and two starts included."
     page = PAGE.read_text(encoding="utf-8")
     marks = "<!-- time begin -->", "<!-- time end -->"
     page = re.sub(f"{marks[0]}.*?{marks[1]}", f"{marks[0]}\n{took}\n{marks[1]}", page, flags=re.S)
@@ -229,13 +235,15 @@ def main() -> int:
         folder = Path(place) / "clone"
         subprocess.run(["git", "clone", "-q", "--depth", "1", ROOT.as_uri(), folder], check=True)
         try:
+            before = used()
             said, seconds = play(folder)
+            taken = used() - before
         except Differs as error:
             print(f"first_device: {error}", file=sys.stderr)
             return 1
-        print(f"{len(said)} commands; the first answer after {seconds:.0f} s")
+        print(f"{len(said)} commands; the first answer after {seconds:.0f} s; processor's time {taken:.0f} s")
         if options.update:
-            update(folder, said, seconds)
+            update(folder, said, taken)
     return 0 if seconds < MOST else 1
 
 
