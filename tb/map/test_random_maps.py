@@ -13,19 +13,21 @@ from modbus_map import dump
 
 from map import random_maps
 from map.batch import ADDRESS, Batch
+from map.devices import relay_box, small_drive
 from map.match import Match
 
 COUNT = int(os.environ.get("MAPS", volume("random maps")))
 SHARE = 500  # maps of one test
 BATCH = 30  # maps in one compilation
+MANY = 60  # plays with a device that has every kind of point
 PLAYS, REQUESTS = 12, 8  # a play begins with a reset and has up to so many requests
 
 
-def fault(match, seed):
+def fault(match, seed, plays=PLAYS):
     """What is wrong with a bank, after the fewest requests that show it; nothing if all is well."""
 
     @seeded(seed)
-    @settings(max_examples=PLAYS, phases=[Phase.generate, Phase.shrink], **random_maps.PLAIN)
+    @settings(max_examples=plays, phases=[Phase.generate, Phase.shrink], **random_maps.PLAIN)
     @given(random_maps.plays(match.device, ADDRESS, REQUESTS))
     def play(drawn):
         frames, values = drawn
@@ -39,6 +41,14 @@ def fault(match, seed):
     except AssertionError as error:
         return str(error)
     return ""
+
+
+def test_every_kind_of_point_agrees_with_its_oracle(seed):
+    """Pairs, quads, floats, enums, arrays, memory, files, snapshots, limits, both word orders, in two devices."""
+    devices = [small_drive(), relay_box()]
+    batch = Batch(devices)
+    for number in range(len(devices)):
+        assert not (wrong := fault(Match(batch, number), seed + number, MANY)), f"seed {seed}: {wrong}"
 
 
 @pytest.mark.parametrize("start", range(0, COUNT, SHARE))
