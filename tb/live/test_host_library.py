@@ -280,7 +280,7 @@ def test_thirty_two_ports_are_polled_at_once(tmp_path):
         begin, end = threading.Barrier(PORTS + 1), []
 
         def poll(number):
-            client = ModbusSerialClient(str(devices[number].link), baudrate=19200, parity="N", timeout=2, retries=0)
+            client = ModbusSerialClient(str(devices[number].link), baudrate=19200, parity="N", timeout=5, retries=0)
             try:
                 assert client.connect()
                 begin.wait()
