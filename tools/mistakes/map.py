@@ -29,7 +29,6 @@ MISTAKES = [
         'closes = " && closes" if point.width > 1',
         'closes = "" if point.width > 1',
     ),
-    Mistake("compiler_limits_of_a_part", BANK, 'closes = " & closes" if plan', 'closes = "" if plan'),
     Mistake(
         "compiler_limit_is_one_low",
         BANK,
