@@ -79,3 +79,30 @@ FIRST = {
     "modbus_bank_guard.v": ("bank_guard", "functions_mapped"),
     "modbus_bank_ram.v": ("functions_mapped", "files", "options"),
 }
+# The tests of tb/map that are tried against a mistake in the map compiler, and which are first for a file.
+COMPILER_TESTS = (
+    "test_model",
+    "test_diagnostics",
+    "test_c_header",
+    "test_manual",
+    "test_tags",
+    "test_client",
+    "test_vhdl_output",
+    "test_random_maps",
+    "test_testbench",
+    "test_live",
+)
+COMPILER_FIRST = {
+    "rtl_bank.py": "test_random_maps",
+    "rtl_plan.py": "test_random_maps",
+    "verilog.py": "test_testbench",
+    "checks.py": "test_diagnostics",
+    "csv_door.py": "test_diagnostics",
+    "c_header.py": "test_c_header",
+    "client_runtime.py": "test_client",
+    "model.py": "test_manual",
+    "tags.py": "test_tags",
+    "node_red.py": "test_tags",
+    "vhdl.py": "test_vhdl_output",
+    "live.py": "test_live",
+}
