@@ -6,7 +6,8 @@
 // Registers and file records share a memory; bits have one of their own unless they fit beside the registers.  Each memory
 // has one port, and line and host take turns.  A side that has the memory keeps it while its cyc is high, so a burst of
 // the line is one snapshot for the host, and an access of the host is one for the line.
-// A burst takes two clocks an item.  The longest, 2000 coils, makes the host wait 4001 clocks.  The host may hold
+// A burst takes two clocks a beat.  The longest, 2000 coils one by one, makes the host wait 4001 clocks; with
+// BITS_PER_BEAT = 16 the bits lie sixteen to a word, and a beat moves a word: then it waits 253 clocks.  The host may hold
 // host_cyc_i over several accesses to read or write a block in one piece.  Meanwhile the core waits, up to its stall
 // limit; only a range that does not exist is refused at once.  Each such question costs the host one clock.
 //
@@ -23,6 +24,7 @@
 `include "modbus_defs.vh"
 
 module modbus_bank_ram #(
+  parameter integer BITS_PER_BEAT = 1,           // 1 or 16, that of the core
   parameter integer CHECK_WRITES = 0,            // 1: the core has checking passes; every value is acceptable here
 `include "modbus_tables.vh"
 ) (
@@ -94,16 +96,22 @@ module modbus_bank_ram #(
   // ------------------------------------------------------------------ where an item is
 
   // Holding registers, input registers, file records; then coils and discrete inputs, a word each, where that takes no
-  // more blocks of 256 words than a memory of their own.  In the overlay the bits are those of the registers.
+  // more blocks of 256 words than a memory of their own.  With sixteen bits a beat the word of item n is n / 16, counted
+  // from that of the first item.  In the overlay the bits are those of the registers.
   localparam REGISTERS = (OVERLAY != 0) ? HOLDING_COUNT : HOLDING_COUNT + INPUT_COUNT;
   localparam FILES_END = REGISTERS + FILE_COUNT * FILE_RECORDS;
-  localparam BITS      = (OVERLAY != 0) ? 0 : COIL_COUNT + DISCRETE_COUNT;
-  localparam BESIDE    = (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
+  localparam WIDE      = (BITS_PER_BEAT != 1);
+  localparam PACKED    = WIDE || OVERLAY != 0;                 // sixteen bits to a word
+  localparam integer COIL_WORDS     = (COIL_COUNT + COIL_BASE % 16 + 15) / 16,
+                     DISCRETE_WORDS = (DISCRETE_COUNT + DISCRETE_BASE % 16 + 15) / 16;
+  localparam BITS      = (OVERLAY != 0) ? 0 : WIDE ? COIL_WORDS + DISCRETE_WORDS : COIL_COUNT + DISCRETE_COUNT;
+  localparam BESIDE    = WIDE || (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
   localparam ITEMS     = (BESIDE != 0) ? FILES_END + BITS : FILES_END;
   localparam WORDS     = (ITEMS > 0) ? ITEMS : 1;              // a word that is never written: nothing remains of it
   localparam W         = (WORDS > 1) ? $clog2(WORDS) : 1;
 
-  localparam integer COIL_SHIFT    = FILES_END - COIL_BASE,     DISCRETE_SHIFT = FILES_END + COIL_COUNT - DISCRETE_BASE,
+  localparam integer COIL_SHIFT     = FILES_END - (WIDE ? COIL_BASE / 16 : COIL_BASE),
+                     DISCRETE_SHIFT = FILES_END + (WIDE ? COIL_WORDS - DISCRETE_BASE / 16 : COIL_COUNT - DISCRETE_BASE),
                      HOLDING_SHIFT = -HOLDING_BASE,             INPUT_SHIFT    = HOLDING_COUNT - INPUT_BASE;
 
   // Files begin at 1.  In the arithmetic of as many bits as the memory has the product is a shift where FILE_RECORDS
@@ -111,7 +119,7 @@ module modbus_bank_ram #(
   // The widths are those of the largest memory:
   // verilator lint_off UNUSED
   wire [17:0]  file    = {2'd0, grant_file_i} - 18'd1;
-  wire [17:0]  place   = (OVERLAY != 0 && bits) ? {6'd0, item[15:4]} : {2'd0, item};
+  wire [17:0]  place   = (PACKED && bits) ? {6'd0, item[15:4]} : {2'd0, item};
   // verilator lint_on UNUSED
   reg  [W-1:0] file_shift_q;         // the file is known long before its burst
   reg  [W-1:0] shift;
@@ -148,8 +156,16 @@ module modbus_bank_ram #(
     word_q <= words[at];
   end
 
+  // With sixteen bits to a word a beat writes back what it has read, but for its own bits.
   generate
-    if (OVERLAY != 0) begin : gen_overlay
+    if (WIDE) begin : gen_wide
+      wire        one = host_q & bits;         // the host has one bit at a time
+      wire [15:0] lanes;
+      modbus_bank_lanes u_lanes (.first_i(item), .last_i(host_q ? item : grant_last_i), .lanes_o(lanes));
+      wire [15:0] mask = lanes | {16{~bits}};
+      assign data = ((one ? {16{given[0]}} : given) & mask) | (word_q & ~mask);
+      assign read = one ? {15'd0, word_q[item[3:0]]} : word_q;
+    end else if (OVERLAY != 0) begin : gen_overlay
       wire [15:0] mask = bits ? 16'd1 << item[3:0] : 16'hFFFF;
       assign data = ((bits ? {16{given[0]}} : given) & mask) | (word_q & ~mask);
       assign read = bits ? {15'd0, word_q[item[3:0]]} : word_q;
@@ -261,7 +277,8 @@ module modbus_bank_ram #(
   wire [17:0] f_item = {2'd0, item};
   wire [31:0] f_at   = (space == `MB_SPACE_HOLDINGS || OVERLAY != 0) ? ((OVERLAY != 0 && bits) ? item / 16 : item - HOLDING_BASE)
                      : (space == `MB_SPACE_INPUTS) ? HOLDING_COUNT + item - INPUT_BASE
-                     : (space == `MB_SPACE_COILS) ? FILES_END + item - COIL_BASE
+                     : (space == `MB_SPACE_COILS) ? FILES_END + (WIDE ? item / 16 - COIL_BASE / 16 : item - COIL_BASE)
+                     : WIDE ? FILES_END + COIL_WORDS + item / 16 - DISCRETE_BASE / 16
                      : FILES_END + COIL_COUNT + item - DISCRETE_BASE;
   wire [31:0] f_record = REGISTERS + (host_q ? f_item : (f_file_q - 1) * FILE_RECORDS + item);
   always @* if (f_past && ((wb_ack_o && !checks) || host_ack_o)) begin

@@ -34,7 +34,10 @@ BY_THE_MAP = {
     "PRIVATE_OBJECTS": "identity: private",
     "CONFORMITY": "identity: conformity",
 }
-NOT_HERE = {"USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that"}
+NOT_HERE = {
+    "USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that",
+    "BITS_PER_BEAT": "the bank that is made from a map takes one bit a beat",
+}
 
 
 class Parameter(NamedTuple):
