@@ -163,7 +163,7 @@ module modbus_burst #(
   // collects the word for the bank, and a new low byte comes in while the bank takes the word before.
   generate
     if (BITS_PER_BEAT != 1 && HAS_BITS != 0) begin : gen_wide
-      reg [15:0] word_q;
+      reg [15:0] word_q = 16'd0;     // data bits outside the range are no X in a simulation
       reg [2:0]  turn_q;
       reg [1:0]  skip_q;             // so many bytes of the bank lie before the first of the frame
       reg        second_q;           // the second byte of the bank's word is on its way
@@ -172,7 +172,7 @@ module modbus_burst #(
       wire        across = (first_i[2:0] != 3'd0);
       wire [3:0]  end_at = last_i | {4{~at_last_i}};
       wire [15:0] inside = 16'hFFFF >> ~end_at;      // up to the last item
-      wire        leaves = wide & ~writes & (put | second_q | fill);
+      wire        leaves = wide & ~writes & (put | (beat & second_q) | fill);
       wire        whole  = whole_q | (put_q & fit_i);
       wire [15:0] twins  = {fresh, held_q} << turn_q;
 
@@ -316,14 +316,14 @@ module modbus_burst #(
       assume (dry_q == 1'b0 || writes);
     end
     if (f_past && !rst_i && !$past(rst_i)) begin
-      assert (state_q <= ST_PUT);
+      assert (state_q <= ST_LEAD);
       // Never past the last item
       if (moving_o && f_over) assert (!next_o && !wb_stb_o);
       assert (!moving_o || ended_q == f_over);
       if (burst_done) assert (f_over);
       // Bits packed from the lowest, filled with zeros
-      if (put_o && moving_o && !words) assert (data_o == f_bits);
-      if (moving_o && !words && !writes && state_q != ST_PUT) assert (bit_q == f_count[2:0] || f_over);
+      if (put_o && moving_o && !pairs) assert (data_o == f_bits);
+      if (moving_o && !pairs && !writes && state_q != ST_PUT) assert (bit_q == f_count[2:0] || f_over);
       // A beat is not withdrawn or changed before the bank answers.
       if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall_i))
         assert (wb_stb_o && $stable(wb_we_o));
@@ -342,6 +342,61 @@ module modbus_burst #(
     cover (f_past && burst_done && !words && writes && f_items == 4'd9);
     cover (f_past && put_o && !words && moving_o && f_over);
   end
+
+  // Sixteen bits a beat: the range begins at bit f_from of the first of its words and ends at bit f_to of the last.  One of
+  // its items is followed from side to side.
+  generate
+    if (BITS_PER_BEAT != 1 && HAS_BITS != 0) begin : gen_wide_rules
+      reg  [3:0] f_from, f_to;
+      reg  [7:0] f_most;             // items less one
+      reg  [4:0] f_bytes;            // in the frame
+      reg  [4:0] f_words;            // on the bus
+      reg        f_bit;              // the item, where it comes from
+      reg        f_fit = 1'b0;
+      (* anyconst *) reg [7:0] f_item;
+      wire [7:0] f_lane = f_item + {4'd0, f_from};
+      wire       f_here = (f_item <= f_most);
+      wire       f_reads = moving_o & wide & ~writes, f_gives = moving_o & wide & writes;
+      wire       f_leaves = f_gives & step_o;    // a byte leaves the frame
+      always @(posedge clk_i) begin
+        if (f_begins) begin
+          f_from  <= first_i;
+          f_to    <= last_i;
+          f_most  <= {f_items, last_i} - {4'd0, first_i};
+          f_bytes <= 5'd0;
+          f_words <= 5'd0;
+        end else begin
+          if (ack) f_words <= f_words + 5'd1;
+          if (put_o || f_leaves) f_bytes <= f_bytes + 5'd1;
+        end
+        f_fit <= (f_bytes == f_most[7:3]);
+        if (f_reads && ack && f_words == {1'b0, f_lane[7:4]}) f_bit <= wb_dat_i[f_lane[3:0]];
+        if (f_leaves && f_bytes == f_item[7:3])              f_bit <= byte_i[f_item[2:0]];
+      end
+      always @* begin
+        assume (fit_i == f_fit);
+        if (f_begins && wide) assume (f_items != 4'd0 || last_i >= first_i);
+        if (f_begins && wide) assume (f_items != 4'd15);
+        if (moving_o) assume (last_i == f_to);
+        // Items of a byte beyond 2000 do not come; here they end at 240.
+        assume (f_item < 8'd240);
+      end
+      always @(posedge clk_i) if (f_past && !rst_i && !$past(rst_i)) begin
+        // A bit read lies where it belongs, behind the last one are zeros, and no byte is missing or too many.
+        if (f_reads && put_o) begin
+          assert (f_bytes <= f_most[7:3]);
+          if (f_here && f_bytes == f_item[7:3])  assert (data_o[f_item[2:0]] == f_bit);
+          if (!f_here && f_bytes == f_item[7:3]) assert (!data_o[f_item[2:0]]);
+        end
+        if (f_reads && burst_done) assert (f_bytes + put_o == f_most[7:3] + 5'd1);
+        // A bit written too.
+        if (f_gives && wb_stb_o && f_here && f_words == {1'b0, f_lane[7:4]}) assert (wb_dat_o[f_lane[3:0]] == f_bit);
+        if (f_gives && wb_stb_o && !$past(ack) && $past(wb_stb_o)) assert ($stable(wb_dat_o));
+        cover (f_reads && burst_done && f_bytes == 5'd3 && f_from == 4'd13);
+        cover (f_gives && burst_done && f_bytes == 5'd5 && f_from == 4'd11 && f_most == 8'd20);
+      end
+    end
+  endgenerate
 `endif
 
 endmodule

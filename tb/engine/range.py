@@ -3,6 +3,7 @@
 """The range: fields, limits and last address to the item, byte counts, files."""
 
 import cocotb
+from harness.bench import PARAMETERS
 from harness.steps import NUMBERS, argument, do
 from harness.unit import clocks, settle, start
 from protocol.defs import Space
@@ -93,6 +94,26 @@ async def a_burst_moves_the_first_address_alone(dut):
         await clocks(dut, item)
         await settle()
     assert int(dut.last_o.value) == 0xFFF4 and not int(dut.past_end_o.value)
+
+
+@cocotb.test(skip=int(PARAMETERS.get("BITS_PER_BEAT", 1)) == 1)
+@cocotb.parametrize(space=[Space.COILS, Space.DISCRETES])
+async def a_beat_of_bits_ends_with_its_word(dut, space):
+    random = await start(dut)
+    cases = [(0, 1), (15, 1), (15, 2), (0xFFFF, 1), (0xFFF0, 16), (0xFFEF, 17), (100, 2000)]
+    for first, quantity in cases + [(random.randrange(63000), random.randrange(1, 200)) for _ in range(20)]:
+        dut.moving_i.value = 0
+        await range_of(dut, first, quantity, space)
+        dut.moving_i.value = 1
+        last = first + quantity - 1
+        for at in [first, *range((first | 15) + 1, last + 1, 16)]:
+            assert int(dut.first_o.value) == at and int(dut.last_o.value) == last
+            assert int(dut.at_last_o.value) == (at | 15 >= last), f"{first} + {quantity}: at {at}"
+            dut.next_i.value = 1
+            await clocks(dut)
+            dut.next_i.value = 0
+            await settle()
+    dut.moving_i.value = 0
 
 
 @cocotb.test()
