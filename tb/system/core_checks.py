@@ -83,7 +83,9 @@ async def one_value_that_is_refused_stops_the_whole_write(dut, code):
             assert answer and answer.data == expected, f"{shown}: seen {answer and frames.text(answer.data)}"
             assert tb.bank.memory == before, f"{shown}: something was stored"
             assert not any(beat[0] for beat in tb.bank.request.beats), f"{shown}: {tb.bank.request.beats}"
-            assert tb.bank.request.checks == [(space, first + n, values[n]) for n in range(place)], shown
+            checked = tb.bank.request.broken_at  # with sixteen bits a beat the first of the beat
+            assert checked == place or (space == Space.COILS and checked <= place), shown
+            assert tb.bank.request.checks == [(space, first + n, values[n]) for n in range(checked)], shown
             assert not int(dut.wb_cyc_o.value), f"{shown}: cyc stays up"
     tb.bank.begin()
     answer = await tb.query(frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 1)))
