@@ -238,7 +238,7 @@ SUITES = {
     "core_bus": (CORE, NO_FLOORS, "core_bus", None),
     "core_wide": (CORE, {**NO_FLOORS, "BITS_PER_BEAT": 16}, "core_bus", None),
     "core_wide_checks": (CORE, {**NO_FLOORS, "BITS_PER_BEAT": 16, "CHECK_WRITES": 1}, "core_checks", None),
-    "functions_wide": (SLAVE, {**MAPPED, "BITS_PER_BEAT": 16}, "functions", "coil|bit|align|address_limits|order|share|lock"),
+    "functions_wide": (SLAVE, {**MAPPED, "BITS_PER_BEAT": 16}, "functions", "coil|bit|align|order|share|lock"),
     "io_wide": (IO, {**IO_MAPPED, "BITS_PER_BEAT": 16}, "io_bank", None),
     "host_wide": (SLAVE, {**MAPPED, "BITS_PER_BEAT": 16}, "options", "tearing|any_time|every_table|needs_no_memory"),
     "core_checks": (CORE, {**NO_FLOORS, "CHECK_WRITES": 1}, "core_checks", None),

@@ -110,13 +110,13 @@ module modbus_bank_io #(
       localparam integer COIL_WORD = COIL_BASE / 16, DISCRETE_WORD = DISCRETE_BASE / 16;
       wire [CW-1:0] coil     = item[4 +: CW] - COIL_WORD[CW-1:0];
       wire [DW-1:0] discrete = item[4 +: DW] - DISCRETE_WORD[DW-1:0];
-      wire [16*(1<<CW)-1:0] coils     = coils_q     << CLOW;
-      wire [16*(1<<DW)-1:0] discretes = discretes_i << DLOW;
+      wire [COIL_WIDTH + 16*(1<<CW) - 1:0]     coils     = {{16*(1<<CW){1'b0}}, coils_q}     << CLOW;
+      wire [DISCRETE_WIDTH + 16*(1<<DW) - 1:0] discretes = {{16*(1<<DW){1'b0}}, discretes_i} << DLOW;
       wire [15:0]   lanes;
       integer       c;
       modbus_bank_lanes u_lanes (.first_i(item), .last_i(grant_last_i), .lanes_o(lanes));
-      assign coils_in     = coils[{coil, 4'd0} +: 16];
-      assign discretes_in = discretes[{discrete, 4'd0} +: 16];
+      assign coils_in     = coils[{1'b0, coil, 4'd0} +: 16];
+      assign discretes_in = discretes[{1'b0, discrete, 4'd0} +: 16];
       always @(posedge clk_i)
         for (c = CLOW; c < COIL_COUNT + CLOW; c = c + 1)
           if (rst_i) coils_q[c - CLOW] <= 1'b0;

@@ -175,6 +175,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -250,6 +251,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -306,6 +308,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -367,6 +370,7 @@ package modbus_pkg is
 
   component modbus_bank_ram is
     generic (
+      BITS_PER_BEAT   : natural := 1;
       CHECK_WRITES    : natural := 0;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 64;
@@ -415,6 +419,7 @@ package modbus_pkg is
 
   component modbus_bank_io is
     generic (
+      BITS_PER_BEAT   : natural := 1;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 16;
       DISCRETE_BASE   : natural := 0;

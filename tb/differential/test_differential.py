@@ -14,8 +14,8 @@ from harness import build
 from harness.build import NO_FLOORS, config_parameters, model_config, table_parameters
 from harness.traffic import Traffic
 from harness.volume import volume
-from protocol.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from protocol import frames
+from protocol.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from protocol.frames import adu, text
 from protocol.model import Slave, characters
 

@@ -226,7 +226,7 @@ class Bank:
                 self._fault(f"a checking pass reads {space.name} {item}")
             if any(beat[0] for beat in self.request.beats):
                 self._fault(f"{space.name} {item} is checked behind the first write")
-        read = 0xAAAA & ~1 if not WIDE else 0xA5C3  # the unused bits of a coil are noise: the core must not look at them
+        read = 0xA5C3 if WIDE else 0xAAAA & ~1  # the unused bits of a coil are noise: the core must not look at them
         for place, value in self._items(space, item, data):
             value = self._take_item(write, checks, err, space, place, value, file)
             if space in BIT_SPACES and WIDE:
