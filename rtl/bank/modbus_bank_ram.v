@@ -256,6 +256,8 @@ module modbus_bank_ram #(
       assume ($stable(grant_space_i) && $stable(grant_first_i) && $stable(grant_last_i) && $stable(grant_write_i) &&
               $stable(grant_file_i));
     if (wb_cyc_i && wb_stb_i) assume ($stable(grant_file_i));
+    // Within a cycle the address is there a clock before a strobe that does not follow an acknowledge.
+    if ($past(wb_cyc_i && !wb_ack_o) && wb_cyc_i && wb_stb_i) assume ($stable(wb_adr_i));
   end
 
   always @* if (f_past) begin
@@ -286,6 +288,10 @@ module modbus_bank_ram #(
     else if (!apart)              assert (at == f_at && f_at < ITEMS);
     else                          assert (f_at - FILES_END < BITS);
   end
+
+  // What a beat of bits writes back is what stood in its word, since no clock before the acknowledge has written.
+  always @(posedge clk_i) if (f_past && PACKED && ack && bits && !$past(rst_i))
+    assert (at == $past(at) && !$past(write));
 
   always @(posedge clk_i) if (f_past) begin
     cover (wb_ack_o && wb_we_i && $past(f_host_beat, 4));

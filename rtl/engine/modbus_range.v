@@ -116,7 +116,8 @@ module modbus_range #(
 
   assign found_o[`MB_FOUND_IN_LIMIT] = in_limit_q;
   assign found_o[`MB_FOUND_FIT]      = fit_q;
-  assign at_last_o = ({first_q[15:4], first_q[3:0] | lanes} == {last_q[15:4], last_q[3:0] | lanes});
+  assign at_last_o = (BITS_PER_BEAT == 1) ? (first_q == last_q)
+                   : (first_q[15:4] == last_q[15:4]) & ((first_q[3:0] == last_q[3:0]) | lanes[0]);
   assign first_o   = first_q;
   assign last_o    = last_q;
 
