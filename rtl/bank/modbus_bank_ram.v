@@ -64,7 +64,7 @@ module modbus_bank_ram #(
   wire        refused;               // the address of the host is outside the tables
   wire        checks = (CHECK_WRITES != 0) & (space[2:1] == 2'b11);    // a checking pass: nothing is stored
   wire        write = ack & we & ~(host_q & refused) & ~checks;
-  wire [15:0] read;
+  wire [15:0] read, single;          // to the core, to the host: with sixteen bits a beat the host has one bit at a time
 
   // Between two accesses of the host one clock of the guard is enough for a question of the core.  The core has no
   // grant, so the memory stays untouched in that clock and the block of the host stays one piece.
@@ -81,7 +81,7 @@ module modbus_bank_ram #(
   assign wb_dat_o   = read;
   assign host_ack_o = ack & host_q & ~refused;
   assign host_err_o = ack & host_q & refused;
-  assign host_dat_o = read;
+  assign host_dat_o = single;
 
   // The guard judges the question of the core, or with the memory in the hands of the host the item that the host shows.
   modbus_bank_guard #(
@@ -97,7 +97,8 @@ module modbus_bank_ram #(
 
   // Holding registers, input registers, file records; then coils and discrete inputs, a word each, where that takes no
   // more blocks of 256 words than a memory of their own.  With sixteen bits a beat the word of item n is n / 16, counted
-  // from that of the first item.  In the overlay the bits are those of the registers.
+  // from that of the first item; it lies beside the registers if all fit one block, since a beat writes back what it has
+  // read, and that path must be short.  In the overlay the bits are those of the registers.
   localparam REGISTERS = (OVERLAY != 0) ? HOLDING_COUNT : HOLDING_COUNT + INPUT_COUNT;
   localparam FILES_END = REGISTERS + FILE_COUNT * FILE_RECORDS;
   localparam WIDE      = (BITS_PER_BEAT != 1);
@@ -105,7 +106,7 @@ module modbus_bank_ram #(
   localparam integer COIL_WORDS     = (COIL_COUNT + COIL_BASE % 16 + 15) / 16,
                      DISCRETE_WORDS = (DISCRETE_COUNT + DISCRETE_BASE % 16 + 15) / 16;
   localparam BITS      = (OVERLAY != 0) ? 0 : WIDE ? COIL_WORDS + DISCRETE_WORDS : COIL_COUNT + DISCRETE_COUNT;
-  localparam BESIDE    = WIDE || (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
+  localparam BESIDE    = WIDE ? FILES_END + BITS <= 256 : (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
   localparam ITEMS     = (BESIDE != 0) ? FILES_END + BITS : FILES_END;
   localparam WORDS     = (ITEMS > 0) ? ITEMS : 1;              // a word that is never written: nothing remains of it
   localparam W         = (WORDS > 1) ? $clog2(WORDS) : 1;
@@ -156,22 +157,61 @@ module modbus_bank_ram #(
     word_q <= words[at];
   end
 
+`ifdef FORMAL
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+`endif
+
   // With sixteen bits to a word a beat writes back what it has read, but for its own bits.
   generate
     if (WIDE) begin : gen_wide
-      wire        one = host_q & bits;         // the host has one bit at a time
+      wire        one = host_q & bits;
       wire [15:0] lanes;
+      wire [15:0] before;                      // what stands in the word of bits
+      assign single = bits ? {15'd0, before[item[3:0]]} : word_q;
+      wire [15:0] merged = ((one ? {16{given[0]}} : given) & lanes) | (before & ~lanes);
       modbus_bank_lanes u_lanes (.first_i(item), .last_i(host_q ? item : grant_last_i), .lanes_o(lanes));
-      wire [15:0] mask = lanes | {16{~bits}};
-      assign data = ((one ? {16{given[0]}} : given) & mask) | (word_q & ~mask);
-      assign read = one ? {15'd0, word_q[item[3:0]]} : word_q;
+      if (BESIDE != 0 || OVERLAY != 0) begin : gen_in_words
+        assign before = word_q;
+        assign data   = bits ? merged : given;
+        assign read   = word_q;
+      end else begin : gen_in_words_of_their_own
+        localparam BW = (BITS > 1) ? $clog2(BITS) : 1;
+        localparam integer COIL_PLACE = -(COIL_BASE / 16), DISCRETE_PLACE = COIL_WORDS - DISCRETE_BASE / 16;
+        (* no_rw_check *) reg [15:0] memory [0:BITS-1];
+        reg  [15:0]   bits_q;
+        wire [BW-1:0] at_bits = place[BW-1:0] + (space[0] ? DISCRETE_PLACE[BW-1:0] : COIL_PLACE[BW-1:0]);
+        integer       k;
+
+        initial for (k = 0; k < BITS; k = k + 1) memory[k] = 16'd0;
+
+        always @(posedge clk_i) begin
+          if (write && bits) memory[at_bits] <= merged;
+          bits_q <= memory[at_bits];
+        end
+
+        assign before = bits_q;
+        assign data   = given;
+        assign read   = bits ? before : word_q;
+
+`ifdef FORMAL
+        // Words of coils are at the front of the memory of bits, those of discrete inputs behind them.
+        always @* if ((wb_ack_o || host_ack_o) && bits)
+          assert (at_bits == (space[0] ? COIL_WORDS + item / 16 - DISCRETE_BASE / 16 : item / 16 - COIL_BASE / 16));
+        always @(posedge clk_i) if (f_past && ack && bits && !$past(rst_i))
+          assert (at_bits == $past(at_bits) && !$past(write && bits));
+`endif
+      end
     end else if (OVERLAY != 0) begin : gen_overlay
       wire [15:0] mask = bits ? 16'd1 << item[3:0] : 16'hFFFF;
       assign data = ((bits ? {16{given[0]}} : given) & mask) | (word_q & ~mask);
       assign read = bits ? {15'd0, word_q[item[3:0]]} : word_q;
+      assign single = read;
     end else if (BESIDE != 0) begin : gen_beside
       assign data = {given[15:1] & {15{~bits}}, given[0]};
       assign read = word_q;
+      assign single = read;
     end else begin : gen_apart
       localparam BW = $clog2(BITS);
       localparam integer COIL_PLACE = -COIL_BASE, DISCRETE_PLACE = COIL_COUNT - DISCRETE_BASE;
@@ -190,6 +230,7 @@ module modbus_bank_ram #(
 
       assign data = given;
       assign read = bits_q ? {15'd0, bit_q} : word_q;
+      assign single = read;
 
 `ifdef FORMAL
       // Coils are at the front of the memory of bits, discrete inputs behind them.
@@ -200,10 +241,6 @@ module modbus_bank_ram #(
   endgenerate
 
 `ifdef FORMAL
-  reg f_past = 1'b0;
-  always @(posedge clk_i) f_past <= 1'b1;
-  always @* if (!f_past) assume (rst_i);
-
   // The host keeps to the rules of its bus; of the line only what stands below is assumed.
   wishbone_rules u_line_rules (
     .clk_i(clk_i), .rst_i(rst_i), .cyc(wb_cyc_i), .stb(wb_stb_i), .we(wb_we_i), .adr(wb_adr_i), .dat(wb_dat_i),
@@ -290,7 +327,7 @@ module modbus_bank_ram #(
   end
 
   // What a beat of bits writes back is what stood in its word, since no clock before the acknowledge has written.
-  always @(posedge clk_i) if (f_past && PACKED && ack && bits && !$past(rst_i))
+  always @(posedge clk_i) if (f_past && PACKED && ack && bits && !apart && !$past(rst_i))
     assert (at == $past(at) && !$past(write));
 
   always @(posedge clk_i) if (f_past) begin
