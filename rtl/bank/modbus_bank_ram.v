@@ -168,12 +168,12 @@ module modbus_bank_ram #(
     if (WIDE) begin : gen_wide
       wire        one = host_q & bits;
       wire [15:0] lanes;
-      wire [15:0] before;                      // what stands in the word of bits
-      assign single = bits ? {15'd0, before[item[3:0]]} : word_q;
-      wire [15:0] merged = ((one ? {16{given[0]}} : given) & lanes) | (before & ~lanes);
+      wire [15:0] stood;                       // what stands in the word of bits
+      assign single = bits ? {15'd0, stood[item[3:0]]} : word_q;
+      wire [15:0] merged = ((one ? {16{given[0]}} : given) & lanes) | (stood & ~lanes);
       modbus_bank_lanes u_lanes (.first_i(item), .last_i(host_q ? item : grant_last_i), .lanes_o(lanes));
       if (BESIDE != 0 || OVERLAY != 0) begin : gen_in_words
-        assign before = word_q;
+        assign stood  = word_q;
         assign data   = bits ? merged : given;
         assign read   = word_q;
       end else begin : gen_in_words_of_their_own
@@ -191,9 +191,9 @@ module modbus_bank_ram #(
           bits_q <= memory[at_bits];
         end
 
-        assign before = bits_q;
+        assign stood  = bits_q;
         assign data   = given;
-        assign read   = bits ? before : word_q;
+        assign read   = bits ? stood : word_q;
 
 `ifdef FORMAL
         // Words of coils are at the front of the memory of bits, those of discrete inputs behind them.
