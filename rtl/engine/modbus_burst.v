@@ -14,7 +14,7 @@
 // refused with 02 without a question.  A grant question or a beat that is not answered when stall_i rises is
 // withdrawn and ends with 06 or 04.
 //
-// Spaces above MB_SPACE_FILES are memories kept the core, without grant and bus: words of counters, bytes of the event
+// Spaces above MB_SPACE_FILES are memories inside the core, without grant and bus: words of counters, bytes of the event
 // log and of texts, each there a clock after its address.  A dry burst passes over the data of the frame alone.
 
 `default_nettype none
@@ -25,7 +25,7 @@ module modbus_burst #(
   parameter integer HAS_BITS     = 1,        // coils or discrete inputs are reachable
   parameter integer HAS_WORDS    = 1,        // registers are reachable
   parameter integer HAS_MASK     = 1,        // the XOR and AND loads are used
-  parameter integer HAS_INTERNAL = 1,        // spaces kept the core
+  parameter integer HAS_INTERNAL = 1,        // spaces inside the core
   parameter integer HAS_LITERALS = 1,        // literals to hold
   parameter integer HAS_FILES    = 1,        // dry bursts
   parameter integer BITS_PER_BEAT = 1        // 1 or 16
@@ -58,7 +58,7 @@ module modbus_burst #(
   output wire [7:0]  data_o,         // level : also for the PUT step
   output wire        step_o,         // strobe: cursor up, count down
 
-  // Memories kept the core
+  // Memories inside the core
   output wire        inner_o,        // level : a burst reads one of them
   input  wire [15:0] inner_i,        // bytes in the low half
 
