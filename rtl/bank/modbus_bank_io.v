@@ -119,8 +119,10 @@ module modbus_bank_io #(
       assign discretes_in = discretes[{1'b0, discrete, 4'd0} +: 16];
       always @(posedge clk_i)
         for (c = CLOW; c < COIL_COUNT + CLOW; c = c + 1)
-          if (rst_i) coils_q[c - CLOW] <= 1'b0;
-          else if (write_coil && lanes[c % 16] && (COIL_WORDS == 1 || coil == c[4 +: CW])) coils_q[c - CLOW] <= wb_dat_i[c % 16];
+          if (rst_i)
+            coils_q[c - CLOW] <= 1'b0;
+          else if (write_coil && lanes[c % 16] && (COIL_WORDS == 1 || coil == c[4 +: CW]))
+            coils_q[c - CLOW] <= wb_dat_i[c % 16];
     end else begin : gen_single_bits
       localparam CW = (COIL_COUNT > 1)     ? $clog2(COIL_COUNT) : 1;
       localparam DW = (DISCRETE_COUNT > 1) ? $clog2(DISCRETE_COUNT) : 1;

@@ -3,8 +3,8 @@
 //
 // modbus_bank_lanes - which data bits a beat of sixteen bits moves, for a bank with BITS_PER_BEAT = 16.
 //
-// Item n of a table of bits is data bit n mod 16.  A beat moves the items from its address on to the end of their word of
-// 16 addresses, but none behind the last item of the request, grant_last_i.  With first = last it is one item.
+// Item n of a table of bits is data bit n mod 16.  A beat moves the items from its address on to the end of their word
+// of 16 addresses, but none behind the last item of the request, grant_last_i.  With first = last it is one item.
 
 `default_nettype none
 

@@ -6,10 +6,10 @@
 // Registers and file records share a memory; bits have one of their own unless they fit beside the registers.  Each memory
 // has one port, and line and host take turns.  A side that has the memory keeps it while its cyc is high, so a burst of
 // the line is one snapshot for the host, and an access of the host is one for the line.
-// A burst takes two clocks a beat.  The longest, 2000 coils one by one, makes the host wait 4001 clocks; with
-// BITS_PER_BEAT = 16 the bits lie sixteen to a word, and a beat moves a word: then it waits 253 clocks.  The host may hold
-// host_cyc_i over several accesses to read or write a block in one piece.  Meanwhile the core waits, up to its stall
-// limit; only a range that does not exist is refused at once.  Each such question costs the host one clock.
+// A burst takes two clocks a beat.  The longest, 2000 coils one by one, makes the host wait 4001 clocks.  With
+// BITS_PER_BEAT = 16 the bits lie sixteen to a word and a beat moves a word: then it waits 253 clocks.  The host may
+// hold host_cyc_i over several accesses to read or write a block in one piece.  Meanwhile the core waits, up to its
+// stall limit; only a range that does not exist is refused at once.  Each such question costs the host one clock.
 //
 // Host side: Wishbone B4 classic, address {space, item} as on the line, no byte selects.  ack comes two clocks after stb
 // when the memory is free, err for an address outside the tables.  The host may write every table.  Record r of file f is
@@ -64,7 +64,8 @@ module modbus_bank_ram #(
   wire        refused;               // the address of the host is outside the tables
   wire        checks = (CHECK_WRITES != 0) & (space[2:1] == 2'b11);    // a checking pass: nothing is stored
   wire        write = ack & we & ~(host_q & refused) & ~checks;
-  wire [15:0] read, single;          // to the core, to the host: with sixteen bits a beat the host has one bit at a time
+  wire [15:0] read;                  // to the core
+  wire [15:0] single;                // to the host, which has one bit at a time in any case
 
   // Between two accesses of the host one clock of the guard is enough for a question of the core.  The core has no
   // grant, so the memory stays untouched in that clock and the block of the host stays one piece.
@@ -96,9 +97,9 @@ module modbus_bank_ram #(
   // ------------------------------------------------------------------ where an item is
 
   // Holding registers, input registers, file records; then coils and discrete inputs, a word each, where that takes no
-  // more blocks of 256 words than a memory of their own.  With sixteen bits a beat the word of item n is n / 16, counted
-  // from that of the first item; it lies beside the registers if all fit one block, since a beat writes back what it has
-  // read, and that path must be short.  In the overlay the bits are those of the registers.
+  // more blocks of 256 words than a memory of their own.  With sixteen bits a beat the word of item n is n / 16,
+  // counted from that of the first item.  It lies beside the registers if all fit one block, since a beat writes back
+  // what it has read, and that path must be short.  In the overlay the bits are those of the registers.
   localparam REGISTERS = (OVERLAY != 0) ? HOLDING_COUNT : HOLDING_COUNT + INPUT_COUNT;
   localparam FILES_END = REGISTERS + FILE_COUNT * FILE_RECORDS;
   localparam WIDE      = (BITS_PER_BEAT != 1);
@@ -106,7 +107,8 @@ module modbus_bank_ram #(
   localparam integer COIL_WORDS     = (COIL_COUNT + COIL_BASE % 16 + 15) / 16,
                      DISCRETE_WORDS = (DISCRETE_COUNT + DISCRETE_BASE % 16 + 15) / 16;
   localparam BITS      = (OVERLAY != 0) ? 0 : WIDE ? COIL_WORDS + DISCRETE_WORDS : COIL_COUNT + DISCRETE_COUNT;
-  localparam BESIDE    = WIDE ? FILES_END + BITS <= 256 : (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
+  localparam BESIDE    = WIDE ? FILES_END + BITS <= 256 :
+                         (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
   localparam ITEMS     = (BESIDE != 0) ? FILES_END + BITS : FILES_END;
   localparam WORDS     = (ITEMS > 0) ? ITEMS : 1;              // a word that is never written: nothing remains of it
   localparam W         = (WORDS > 1) ? $clog2(WORDS) : 1;

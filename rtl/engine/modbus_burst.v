@@ -10,9 +10,10 @@
 //
 // The bus is Wishbone B4, classic cycles, 16 bits of data.  A bit uses data bit 0; the other data bits of a bit write
 // mean nothing.  With BITS_PER_BEAT = 16 a beat moves all bits of the range in one word of 16 addresses: item n is data
-// bit n mod 16, and data bits outside the range mean nothing.  Such a word takes two clocks.  wb_err_i ends the burst with the bank's exception code (0 stands for 04).  A range past its end is
-// refused with 02 without a question.  A grant question or a beat that is not answered when stall_i rises is
-// withdrawn and ends with 06 or 04.
+// bit n mod 16, and data bits outside the range mean nothing.  Such a word takes two clocks, as a register does.
+// wb_err_i ends the burst with the bank's exception code (0 stands for 04).  A range past its end is refused with 02
+// without a question.  A grant question or a beat that is not answered when stall_i rises is withdrawn and ends with 06
+// or 04.
 //
 // Spaces above MB_SPACE_FILES are memories inside the core, without grant and bus: words of counters, bytes of the event
 // log and of texts, each there a clock after its address.  A dry burst passes over the data of the frame alone.
@@ -154,10 +155,10 @@ module modbus_burst #(
   // The range begins at bit 0 of a byte of the frame, and at bit (first address mod 16) of a word of the bank.  So each
   // byte on the other side is made of two neighbours:
   //
-  //        fresh        held_q
-  //   +------------+------------+
-  //   | 7 ....... 0 | 7 ...... 0 |   shifted left by turn_q; the upper eight bits are the byte
-  //   +------------+------------+
+  //       fresh        held_q
+  //   +-----------+-----------+
+  //   | 7 ..... 0 | 7 ..... 0 |   shifted left by turn_q; the upper eight bits are the byte
+  //   +-----------+-----------+
   //
   // word_q is a shift register of two bytes.  A read puts the bank's word in, and it leaves from the low end; a write
   // collects the word for the bank, and a new low byte comes in while the bank takes the word before.
@@ -345,8 +346,8 @@ module modbus_burst #(
     cover (f_past && put_o && !words && moving_o && f_over);
   end
 
-  // Sixteen bits a beat: the range begins at bit f_from of the first of its words and ends at bit f_to of the last.  One of
-  // its items is followed from side to side.
+  // Sixteen bits a beat: the range begins at bit f_from of the first of its words and ends at bit f_to of the last.  One
+  // of its items is followed from side to side.
   generate
     if (BITS_PER_BEAT != 1 && HAS_BITS != 0) begin : gen_wide_rules
       reg  [3:0] f_from, f_to;

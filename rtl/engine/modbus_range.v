@@ -167,7 +167,8 @@ module modbus_range #(
     if ($past(moving_i)) assert ($stable(last_q) && $stable(past_ffff_q));
     if ($past(!set_address && !next_i)) assert ($stable(first_q));
     if ($past(next_i && !set_address))
-      assert (first_q == ((BITS_PER_BEAT == 1 || $past(words)) ? $past(first_q) + 16'd1 : {$past(first_q[15:4]) + 12'd1, 4'd0}));
+      assert (first_q == ((BITS_PER_BEAT == 1 || $past(words)) ? $past(first_q) + 16'd1
+                                                               : {$past(first_q[15:4]) + 12'd1, 4'd0}));
     assert (at_last_o == ((BITS_PER_BEAT == 1 || words) ? first_q == last_q : first_q / 16 == last_q / 16));
     cover (f_settled == 2'd2 && past_end_o && !f_last[16]);
     cover (found_o[`MB_FOUND_IN_LIMIT] && last_q == 16'hFFFF);

@@ -10,9 +10,9 @@
 // of the answer.  The core may withdraw the question: a bank forgets it when grant_req_i falls.
 // Burst: Wishbone B4 classic, at most the range that was granted, under one wb_cyc_i.  While wb_cyc_i is high the core
 // shows the address of a beat no later than its strobe, and one clock earlier where the strobe was low.
-// Bits: with BITS_PER_BEAT = 1 of the core a beat is one item, in data bit 0.  With 16 it is all items from the address of the
-// beat on that lie in one word of 16 addresses, up to grant_last_i: item n is data bit n mod 16, the other data bits mean
-// nothing; modbus_bank_lanes tells which count.  The next beat begins at the next multiple of 16.
+// Bits: with BITS_PER_BEAT = 1 of the core a beat is one item, in data bit 0.  With 16 it is all items from the address
+// of the beat on that lie in one word of 16 addresses, up to grant_last_i: item n is data bit n mod 16, the other data
+// bits mean nothing; modbus_bank_lanes tells which count.  The next beat begins at the next multiple of 16.
 // A core with CHECK_WRITES = 1 shows the beats of a write twice under one wb_cyc_i.  The first time the space is
 // MB_SPACE_CHECK_COILS or MB_SPACE_CHECK_HOLDINGS: the bank stores nothing, answers ack if it would accept the value, else
 // err with the code in exception_o.
