@@ -43,8 +43,7 @@ module modbus_range #(
 );
 
   reg [15:0] first_q;
-  reg [10:0] quantity_less_one_q;             // quantity - 1: what the last address and the byte count need
-  reg        wrong_q;                         // the quantity was 0, or 2048 or more
+  reg [15:0] quantity_less_one_q;             // quantity - 1: what the last address and the byte count need
   reg [15:0] last_q;
   reg        past_ffff_q, in_limit_q, fit_q;
 
@@ -62,29 +61,23 @@ module modbus_range #(
   // The sum means nothing while an address is set; written so, a counter that can be loaded takes one cell a bit.
   wire [15:0] next_first = {first_q[15:4], first_q[3:0] | lanes} + {{15{set_address}}, 1'b1};
 
-  // Less one, with a borrow if it was 0
-  wire        borrow;
-  wire [10:0] less_one;
-  assign {borrow, less_one} = {1'b0, field[10:0]} + {12{~as_it_is}};
-
   wire        above_limit;
   // verilator lint_off UNUSED
   wire [10:0] excess;
   // verilator lint_on UNUSED
-  assign {above_limit, excess} = {1'b0, quantity_less_one_q} + {1'b0, argument_i[`MB_ARG_ROOM]};
+  assign {above_limit, excess} = {1'b0, quantity_less_one_q[10:0]} + {1'b0, argument_i[`MB_ARG_ROOM]};
 
   always @(posedge clk_i) begin
     if (set_address || next_i) first_q <= set_address ? field : next_first;
     if (set_first)             first_q[15:8] <= 8'd0;
 
-    if (do_i[`MB_DO_QUANTITY] || as_it_is)  quantity_less_one_q <= less_one;
-    if (set_less)                           quantity_less_one_q[10:8] <= 3'd0;
-    if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 11'd0;
-    if (do_i[`MB_DO_QUANTITY] || as_it_is)  wrong_q <= borrow | (field[15:11] != 5'd0);
+    if (do_i[`MB_DO_QUANTITY] || as_it_is)  quantity_less_one_q <= field + {16{~as_it_is}};
+    if (set_less)                           quantity_less_one_q[15:8] <= 8'd0;
+    if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd0;
 
-    if (!moving_i) {past_ffff_q, last_q} <= {1'b0, first_q} + {6'd0, quantity_less_one_q};
+    if (!moving_i) {past_ffff_q, last_q} <= {1'b0, first_q} + {1'b0, quantity_less_one_q};
 
-    in_limit_q <= ~wrong_q & ~above_limit;
+    in_limit_q <= (quantity_less_one_q[15:11] == 5'd0) & ~above_limit;
     fit_q      <= (count_i == {1'b0, bytes_less_one});
   end
 
@@ -133,16 +126,11 @@ module modbus_range #(
   reg        f_past = 1'b0;
   reg [16:0] f_last;                 // exact last address, FFFFH passed or not
   reg [1:0]  f_settled = 2'd0;       // first address and quantity stand still for so long
-  reg        f_given = 1'b0;         // a field has been given as quantity, or as depth, and nothing else since
-  reg [16:0] f_quantity;             // the quantity that it means
   wire       f_change = set_address | next_i | do_i[`MB_DO_QUANTITY] | as_it_is | do_i[`MB_DO_ONE];
 
   always @(posedge clk_i) begin
     f_past    <= 1'b1;
-    f_last    <= {1'b0, first_q} + {6'd0, quantity_less_one_q};
-    if (do_i[`MB_DO_QUANTITY] || as_it_is) f_quantity <= {1'b0, field} + {16'd0, as_it_is};
-    if (do_i[`MB_DO_QUANTITY] || as_it_is || do_i[`MB_DO_ONE] || set_first)
-      f_given <= ~set_less & ~do_i[`MB_DO_ONE] & ~set_first;
+    f_last    <= {1'b0, first_q} + {1'b0, quantity_less_one_q};
     f_settled <= f_change | moving_i ? 2'd0 : (f_settled == 2'd2) ? 2'd2 : f_settled + 2'd1;
   end
 
@@ -156,14 +144,10 @@ module modbus_range #(
     end
     if (f_settled == 2'd2 && HAS_FILES != 0)
       assert (past_end_o == (f_last[16] || (space_i == `MB_SPACE_FILES && f_last > 17'h0270F)));
-    // The limit is exact: no field above the highest quantity, which ROOM names, and not 0.
-    if (f_given && f_quantity >= 17'd1 && f_quantity <= 17'd2047)
-      assert (!wrong_q && quantity_less_one_q == f_quantity[10:0] - 11'd1);
-    if (f_given && f_quantity == 17'd2048) assert (wrong_q || quantity_less_one_q == 11'd2047);
-    if (f_given && (f_quantity == 17'd0 || f_quantity > 17'd2048)) assert (wrong_q);
-    if ($past(f_given) && $past(f_settled) != 2'd0 && $past(argument_i[10:0]) != 11'd0)
+    // The limit is exact: quantity - 1 below the highest quantity, which ROOM names.
+    if ($past(f_settled) != 2'd0 && $past(argument_i[10:0]) != 11'd0)
       assert (found_o[`MB_FOUND_IN_LIMIT] ==
-              ($past(f_quantity) != 17'd0 && $past(f_quantity) <= 17'd2048 - {6'd0, $past(argument_i[10:0])}));
+              ($past({1'b0, quantity_less_one_q}) < 17'd2048 - {6'd0, $past(argument_i[10:0])}));
     if ($past(moving_i)) assert ($stable(last_q) && $stable(past_ffff_q));
     if ($past(!set_address && !next_i)) assert ($stable(first_q));
     if ($past(next_i && !set_address))

@@ -24,7 +24,7 @@ MISTAKES = [
         "{1'b0, argument_i[`MB_ARG_ROOM]};",
         "{1'b0, argument_i[`MB_ARG_ROOM]} + 12'd1;",
     ),
-    Mistake("quantity_seen_through_eleven_bits", "modbus_range.v", "borrow | (field[15:11] != 5'd0)", "borrow"),
+    Mistake("quantity_seen_through_eleven_bits", "modbus_range.v", "(quantity_less_one_q[15:11] == 5'd0) & ", ""),
     Mistake(
         "any_coil_value_means_on",
         "modbus_sequencer.v",
@@ -540,8 +540,8 @@ MISTAKES = [
     Mistake(
         "single_item_is_two",
         "modbus_range.v",
-        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 11'd0;",
-        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 11'd1;",
+        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd0;",
+        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd1;",
     ),
     Mistake(
         "burst_ends_an_item_early",
