@@ -21,6 +21,7 @@ rtl/engine/modbus_identity.v
 rtl/engine/modbus_engine.v
 rtl/modbus_rtu_core.v
 rtl/bank/modbus_bank_guard.v
+rtl/bank/modbus_bank_lanes.v
 rtl/bank/modbus_bank_ram.v
 rtl/bank/modbus_bank_io.v
 rtl/bank/modbus_host_map.v

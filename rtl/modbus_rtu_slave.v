@@ -94,7 +94,7 @@ module modbus_rtu_slave #(
   );
 
   modbus_bank_ram #(
-    .CHECK_WRITES(CHECK_WRITES),
+    .BITS_PER_BEAT(BITS_PER_BEAT), .CHECK_WRITES(CHECK_WRITES),
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock), .host_cyc_i(bank_cyc), .host_stb_i(bank_stb),

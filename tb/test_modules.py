@@ -15,6 +15,9 @@ TABLES = table_parameters(
         Space.HOLDINGS: (1000, 300),
     }
 )
+IO_TABLES = table_parameters(
+    {Space.COILS: (101, 39), Space.DISCRETES: (7, 33), Space.INPUTS: (65530, 6), Space.HOLDINGS: (400, 12)}
+)
 OVERLAID = {"OVERLAY": 1, "HOLDING_COUNT": 12, "READ_ONLY_BASE": 5, "READ_ONLY_COUNT": 2}
 SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
 
@@ -47,6 +50,8 @@ MODULES = {
     "sequencer": ("modbus_sequencer", {"USER_CODES": 1 << 65}, "engine.sequencer"),
     "range": ("modbus_range", {}, "engine.range"),
     "burst": ("modbus_burst", {}, "engine.burst"),
+    "range_wide": ("modbus_range", {"BITS_PER_BEAT": 16}, "engine.range"),
+    "burst_wide": ("modbus_burst", {"BITS_PER_BEAT": 16}, "engine.burst"),
     "frame_ram": ("modbus_frame_ram", {}, "engine.frame_ram"),
     "diagnostics": ("modbus_diagnostics", {}, "engine.diagnostics"),
     "bank_guard": ("modbus_bank_guard", {**TABLES, **SOME_READ_ONLY}, "bank.bank_guard"),
@@ -58,6 +63,8 @@ MODULES = {
     "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank.bank_guard"),
     "bank_ram": ("modbus_bank_ram", TABLES, "bank.bank_bus"),
     "bank_io": ("modbus_bank_io", {}, "bank.bank_bus"),
+    "bank_ram_wide": ("modbus_bank_ram", {**TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
+    "bank_io_wide": ("modbus_bank_io", {**IO_TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "examples.example_user"),
     "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "examples.pdm_record"),
     "pdm_record_4": ("modbus_pdm_record", {"DEPTH": 4}, "examples.pdm_record"),

@@ -48,6 +48,8 @@ LEGAL = [
     (SLAVE, {"T15_MIN_US": 0, "T35_MIN_US": 0, "MAX_READ_BITS": 1, "RW_MAX_WRITE": 1}),
     (SLAVE, {"READ_ONLY_BASE": 65535, "READ_ONLY_COUNT": 1}),
     (SLAVE, {"OVERLAY": 1, "HOLDING_COUNT": 1}),
+    (SLAVE, {"BITS_PER_BEAT": 16, "COIL_BASE": 7, "COIL_COUNT": 65529}),
+    (IO, {"BITS_PER_BEAT": 16, "COIL_BASE": 65535, "COIL_COUNT": 1, "DISCRETE_COUNT": 0}),
     (IO, {"COIL_COUNT": 1, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
     (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS])}),
     *((CORE, {"FUNCTION_CODES": function_mask([code])}) for code in sorted(ALL_FUNCTIONS)),
@@ -85,6 +87,7 @@ ILLEGAL = [
     (CORE, {"MAX_BIT_TIME": 7}),
     (SLAVE, {"HOST_SETTINGS": 1, "HOST_MAP": 1, "MAX_BIT_TIME": 65536}),
     (CORE, {"GLITCH_FILTER": 256}),
+    *((top, {"BITS_PER_BEAT": bits}) for top in TOPS for bits in (0, 2, 8, 15, 17)),
     (IO, {"CLK_HZ": 27_000_000, "BAUD": 1_000_000, "GLITCH_FILTER": 7}),  # 27 clocks a bit
     (SLAVE, {"BAUD": 700}),  # 71429 clocks a bit
     (SLAVE, {"BAUD": 6_500_000}),  # 7.7 clocks, rounded to 8: 4 % off

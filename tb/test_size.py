@@ -289,6 +289,34 @@ def test_folded_outputs_all_count(family, outputs, seed):
         assert values[pin] == sum(values[bit] for bit in bits) % 2
 
 
+# --- the longest path -----------------------------------------------------------------------------
+
+
+def test_longest_path_is_named_by_modules():
+    """The longest path between registers, not one from a pin; each module once in a row, a RAM marked."""
+
+    def step(cell, delay, kind="logic"):
+        return {"from": {"cell": cell, "port": "O"}, "to": {"cell": "any", "port": "I0"}, "delay": delay, "type": kind}
+
+    owners = {"u_dut": "top", "u_dut.u_a": "a", "u_dut.u_a.u_b": "b"}
+    memory = [step("u_dut.u_a.words.0_RAM", 2.1, "clk-to-q"), step("u_dut.u_a.words.0_RAM", 1.0, "routing"),
+              step("u_dut.u_a.u_b.some_LC", 0.4), step("$nextpnr_1", 0.4), step("u_dut.u_a.u_b.more_LC", 0.3),
+              step("u_dut.out_LC", 0.3, "setup")]  # fmt: skip
+    short = [step("u_dut.u_a.q_LC", 0.5, "clk-to-q"), step("u_dut.u_a.q_LC", 0.3, "setup")]
+    report_of = {
+        "critical_paths": [
+            {"from": "posedge clk_i", "to": "posedge clk_i", "path": short},
+            {"from": "posedge clk_i", "to": "posedge clk_i", "path": memory},
+            {"from": "<async>", "to": "posedge clk_i", "path": [step("u_dut.pin", 99.0)]},
+        ]
+    }
+    assert synth_parts.longest_path(report_of, owners) == {"ns": 4.5, "through": ["a (RAM)", "b", "top"]}
+    assert synth_parts.longest_path({"critical_paths": []}, owners) is None
+    row = {"profile": "basic", "bank": "ram", "device": report.CHECKED, "paths": [{"ns": 4.5, "through": ["a", "b"]}]}
+    table = report.paths_table([row], {"yosys": "1", "seeds": [1, 2, 3]})
+    assert "| `basic` | ram | iCE40 HX8K | 4.50 | a → b |" in table.splitlines()
+
+
 # --- which module a logic cell belongs to ---------------------------------------------------------
 
 

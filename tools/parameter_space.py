@@ -68,6 +68,7 @@ LIMITS = plain(
     MAX_WRITE_REGISTERS=(1, 123),
     RW_MAX_READ=(1, 125),
     RW_MAX_WRITE=(1, 121),
+    BITS_PER_BEAT=[1, 16],
     CHECK_WRITES=(0, 1),
     ASCII_MODE=(0, 1),
     ASCII_TIMEOUT_MS=(1, 1073),

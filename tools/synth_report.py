@@ -28,6 +28,7 @@ MARKS = {  # table -> what stands before and after it
     "readme": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "options": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "parts": ("<!-- parts table begin -->", "<!-- parts table end -->"),
+    "paths": ("<!-- paths table begin -->", "<!-- paths table end -->"),
     "peers": ("<!-- peers table begin -->", "<!-- peers table end -->"),
 }
 
@@ -111,6 +112,19 @@ def peers_table(peers: dict, results: list[dict], tools: dict) -> str:
                 lines.append(line(f"`{profile}`, {bank}", PROFILE_NOTES[profile], its))
     packages = ", ".join(f"{name} {version}" for name, version in peers["packages"].items())
     return "\n".join([*lines, "", f"{packages}; {median_line(tools)} Made by `make peers`."])
+
+
+def paths_table(results: list[dict], tools: dict) -> str:
+    """The longest path of each seed, as a markdown table: a line per path, of the devices that the peers are on."""
+    lines = ["| Profile | Bank | Device | ns | From register to register |", "|---|---|---|---:|---|"]
+    for profile, banks in PROFILES.items():
+        for bank in banks:
+            for device in DEVICES_OF_PEERS:
+                row = row_of(results, profile, bank, device) or {}
+                for path in row.get("paths", []):
+                    through = " → ".join(path["through"])
+                    lines.append(f"| `{profile}` | {bank} | {DEVICES[device].title} | {path['ns']:.2f} | {through} |")
+    return "\n".join([*lines, "", f"{tools_line(tools)}; seeds {', '.join(map(str, tools['seeds']))}."])
 
 
 def options_table(options: dict[str, dict], tools: dict) -> str:
@@ -250,6 +264,7 @@ def documents(record: dict) -> dict:
     readme = placed(readme, size_table(record["results"], tools), "readme")
     page = placed(page, options_table(record["options"], tools), "options")
     page = placed(page, parts_table(record["parts"], tools), "parts")
+    page = placed(page, paths_table(record["results"], tools), "paths")
     page = placed(page, peers_table(record["peers"], record["results"], tools), "peers")
     return {RECORD: record_text(record), README: readme, PAGE: page, CHART: chart(record["parts"])}
 

@@ -24,6 +24,7 @@
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter integer BITS_PER_BEAT       = 1,             // 1 or 16: coils and discrete inputs that move in one beat of the bus
   parameter integer CHECK_WRITES        = 0,             // 1: the bank checks the values of a write before the first is stored
   parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
   parameter integer SERVER_ID_BYTES     = 1,             // 1..16

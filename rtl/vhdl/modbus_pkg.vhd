@@ -183,6 +183,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -263,6 +264,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -321,6 +323,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -382,6 +385,7 @@ package modbus_pkg is
 
   component modbus_bank_ram is
     generic (
+      BITS_PER_BEAT   : natural := 1;
       CHECK_WRITES    : natural := 0;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 64;
@@ -430,6 +434,7 @@ package modbus_pkg is
 
   component modbus_bank_io is
     generic (
+      BITS_PER_BEAT   : natural := 1;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 16;
       DISCRETE_BASE   : natural := 0;

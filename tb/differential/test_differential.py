@@ -14,6 +14,7 @@ from harness import build
 from harness.build import NO_FLOORS, config_parameters, model_config, table_parameters
 from harness.traffic import AsciiTraffic, Traffic
 from harness.volume import volume
+from protocol import frames
 from protocol.defs import ALL_FUNCTIONS, ASCII_FORMATS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from protocol.frames import adu, text
 from protocol.model import Slave, characters
@@ -59,6 +60,12 @@ MAPS = {
     "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
 }
 SHARE = {"mapped": 0.5, "whole": 0.15, "overlaid": 0.15, "ascii": 0.2}
+# Sixteen bits a beat
+WIDE = {
+    "mapped": {**MAPS["mapped"], "BITS_PER_BEAT": 16, "CHECK_WRITES": 1},
+    "whole": {**MAPS["whole"], "BITS_PER_BEAT": 16},
+    "overlaid": {**MAPS["overlaid"], "BITS_PER_BEAT": 16},
+}
 SETTINGS_EVERY, COMPARE_EVERY, WHOLE_COMPARE_EVERY = 40, 250, 5_000
 COUNTERS_EVERY, RESET_EVERY = 7, 3_000
 BAD_EVENTS = {0x82, 0x92, 0xA2, 0xB2}  # in the event log
@@ -244,6 +251,47 @@ def test_compiled_slave_agrees_with_the_model(name, seed):
     match.compare(whole=True)
     print(dict(match.kinds), dict(match.slave.counts))
     assert match.slave.counts["good"] > count / 2
+    match.device.close()
+
+
+@pytest.mark.parametrize("name", WIDE)
+def test_bits_at_every_alignment(name, seed):
+    """01 02 05 0F from every address mod 16 on, sixteen bits a beat: answers, and what is in the tables afterwards."""
+    match = Match(WIDE[name], f"{seed} wide {name}")
+    rng, slave = match.rng, match.slave
+    count = max(1, round(volume("bits at every alignment") / 16))
+    print(f"seed {seed}, {16 * count} requests on map {name}")
+    for number in range(16 * count):
+        if number % SETTINGS_EVERY == 0:
+            match.settings()
+        match.momentary()
+        space = rng.choice((Space.COILS, Space.COILS, Space.DISCRETES))
+        base, size = slave.config.tables[space]
+        most = rng.choice((1, 8, 17, 40, 300, 2000))
+        place = rng.choice((0, 16 * rng.randrange(size // 16), max(0, size - most - 16)))
+        first = min(base + place + number % 16, base + size - 1)
+        quantity = rng.randint(1, max(1, min(most, base + size - first)))
+        writes = space == Space.COILS and rng.random() < 0.6
+        if writes and quantity == 1 and rng.random() < 0.5:
+            pdu = frames.write_coil(first, rng.random() < 0.5)
+        elif writes:
+            pdu = frames.write_coils(first, [rng.getrandbits(1) for _ in range(min(quantity, 1968))])
+        else:
+            pdu = frames.read(FC.READ_COILS if space == Space.COILS else FC.READ_DISCRETES, first, quantity)
+        line = adu(slave.config.address, pdu)
+        expected = slave.request(line)
+        match.touched |= slave.touched
+        seen = match.device.transfer(line, match.t35 + PROCESSING_CLOCKS, match.offset)
+        match.judge(seen, expected, text(line))
+        if number % COMPARE_EVERY == COMPARE_EVERY - 1:
+            match.compare(whole=False)
+        if number % 8 == 0 and space == Space.DISCRETES:  # the master cannot write them
+            item = base + rng.randrange(size)
+            if name != "overlaid":
+                value = rng.getrandbits(1)
+                match.device.host(space, item, value)
+                slave.memory[space, item] = value
+    match.compare(whole=name != "whole")
     match.device.close()
 
 

@@ -7,6 +7,7 @@ import os
 USUAL = {
     "random requests on the compiled slave": 5_000,
     "random requests on 32 compiled slaves": 150,
+    "bits at every alignment": 800,
     "random requests in a simulator": 40,
     "random requests to the power meter": 20,
     "random writes to overlaid tables": 6,
@@ -27,6 +28,7 @@ USUAL = {
 FULL = {
     "random requests on the compiled slave": 100_000,
     "random requests on 32 compiled slaves": 3_000,
+    "bits at every alignment": 20_000,
     "random requests in a simulator": 300,
     "random requests to the power meter": 60,
     "random writes to overlaid tables": 16,

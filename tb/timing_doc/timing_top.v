@@ -12,6 +12,7 @@ module timing_top #(
   parameter FLOORS = 1,              // 0: t1.5 and t3.5 without floors
   parameter FULL = 1,                // 0: function codes 01 to 06, 0F and 10 only
   parameter MORE = 0,                // 1: user functions 65 and 66, a server identification as long as can be
+  parameter WIDE = 0,                // 1: sixteen bits a beat
   parameter BITS = 2000,             // coils, and discrete inputs
   parameter WORDS = 125              // input registers, and holding registers
 ) (
@@ -48,7 +49,7 @@ module timing_top #(
   generate
     if (IO == 0) begin : gen_ram
       slave_bench #(
-        .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
+        .BITS_PER_BEAT((WIDE != 0) ? 16 : 1), .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
         .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS), .FILE_COUNT(2),
         .FILE_RECORDS(256),
         .SERVER_ID_BYTES(NAME_BYTES), .ADDITIONAL_DATA_BYTES(MORE_BYTES)
@@ -79,7 +80,7 @@ module timing_top #(
       assign wb_read_o     = u_slave.wb_read;
     end else begin : gen_io
       io_bench #(
-        .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
+        .BITS_PER_BEAT((WIDE != 0) ? 16 : 1), .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
         .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS),
         .SERVER_ID_BYTES(NAME_BYTES), .ADDITIONAL_DATA_BYTES(MORE_BYTES)
       ) u_slave (

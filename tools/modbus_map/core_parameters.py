@@ -41,6 +41,7 @@ ASCII = {"ASCII_MODE": 0, "ASCII": 0, "ASCII_DATA_BITS": 7, "ASCII_EXTRA": 0}  #
 NOT_HERE = {
     "USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that",
     **dict.fromkeys((*ASCII, "ASCII_TIMEOUT_MS"), NO_ASCII),
+    "BITS_PER_BEAT": "the bank that is made from a map takes one bit a beat",
 }
 
 
