@@ -34,7 +34,7 @@ constexpr size_t SENDS_LIMIT = 256;       // requests of the control server that
 constexpr int READS_AT_ONCE = 16;         // of 4 KB: what the kernel keeps for one terminal
 constexpr unsigned SETTLE_CLOCKS = 256;   // a core at rest may still clear its counters
 constexpr unsigned JUDGE_CLOCKS = 8;      // the core may say a little late what it thinks of a frame
-constexpr int FREE_CLOCKS = 20000;        // that take no time, at most between two looks at clients
+constexpr int FREE_CLOCKS = 500;          // that take no time, at most between two looks at clients: below half a millisecond
 constexpr double COLLECT_S = 3e-3;        // silence of a client that ends a frame which a fault wants whole
 constexpr size_t MOST_EDGES = 50000;      // of a frame, for the log
 
