@@ -20,8 +20,13 @@ import asyncio
 import signal
 import socket
 import struct
+import sys
+from pathlib import Path
 
-from bridge_link import BridgeError, BridgeLink
+sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve().parents[1] / "tb")]
+
+from bridge_link import BridgeError, BridgeLink  # noqa: E402
+from protocol import frames  # noqa: E402
 
 MOST_CONNECTIONS = 64
 LONGEST_PDU, LONGEST_FRAME = 253, 256
@@ -29,32 +34,6 @@ NO_ANSWER = 0x0B  # gateway target device failed to respond
 HEADER = struct.Struct(">HHHB")  # transaction, protocol, length, unit
 PAUSE_S = 0.02  # ends a frame of RTU over TCP whose length is not known
 IDLE_S = 3600  # a connection that says nothing ends
-
-
-def crc(data: bytes) -> bytes:
-    """The check field of RTU mode, as on the line."""
-    value = 0xFFFF
-    for byte in data:
-        value ^= byte
-        for _ in range(8):
-            value = value >> 1 ^ (0xA001 if value & 1 else 0)
-    return struct.pack("<H", value)
-
-
-def ascii_frame(data: bytes) -> bytes:
-    """Address and PDU as a frame of ASCII mode."""
-    return b":" + (data + bytes([-sum(data) & 0xFF])).hex().upper().encode() + b"\r\n"
-
-
-def of_ascii(frame: bytes) -> bytes:
-    """Address and PDU of a frame of ASCII mode; empty if it is none."""
-    if frame[:1] != b":" or frame[-2:] != b"\r\n":
-        return b""
-    try:
-        data = bytes.fromhex(frame[1:-2].decode("ascii"))
-    except ValueError:
-        return b""
-    return b"" if sum(data) & 0xFF else data[:-1]
 
 
 def request_length(frame: bytes) -> int | None:
@@ -80,13 +59,7 @@ class Gateway:
         self.connections: set[asyncio.Task[None]] = set()
 
     async def ask(self, frame: bytes) -> bytes:
-        """What the line answers to a frame of RTU mode; empty for silence."""
-        if self.link.hello["mode"] == "ascii":
-            if crc(frame[:-2]) != frame[-2:]:
-                return b""
-            reply = await self.link.call("send", ascii_frame(frame[:-2]).hex())
-            said = of_ascii(bytes.fromhex(reply["answer"]))
-            return said + crc(said) if said else b""
+        """What the line answers; empty for silence."""
         reply = await self.link.call("send", frame.hex())
         return bytes.fromhex(reply["answer"])
 
@@ -98,9 +71,8 @@ class Gateway:
             if protocol or not 2 <= length <= LONGEST_PDU + 1:
                 return
             pdu = await reader.readexactly(length - 1)
-            frame = bytes([unit]) + pdu
-            answer = await self.ask(frame + crc(frame))
-            good = len(answer) >= 4 and crc(answer[:-2]) == answer[-2:] and answer[0] == unit
+            answer = await self.ask(frames.adu(unit, pdu))
+            good = len(answer) >= 4 and frames.check(answer) and answer[0] == unit
             if unit == 0:
                 continue
             said = answer[1:-2] if good else bytes([pdu[0] | 0x80, NO_ANSWER])
@@ -125,11 +97,7 @@ class Gateway:
                     break
                 waiting += more
                 wanted = request_length(waiting)
-            whole = (
-                wanted is not None
-                and len(waiting) >= wanted
-                and crc(waiting[: wanted - 2]) == waiting[wanted - 2 : wanted]
-            )
+            whole = wanted is not None and len(waiting) >= wanted and frames.check(waiting[:wanted])
             frame = waiting[:wanted] if whole else waiting[: 2 * LONGEST_FRAME]
             waiting = waiting[len(frame) :]
             writer.write(await self.ask(frame))

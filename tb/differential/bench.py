@@ -22,7 +22,6 @@ from harness import build
 from harness.bench import CLOCK_PS, PATIENCE_CLOCKS, Bench
 from harness.bench import Setup as Inputs
 from harness.line import Answer
-from protocol.defs import ASCII_FORMATS
 from protocol.frames import text
 from protocol.model import Slave
 
@@ -66,8 +65,6 @@ class CompiledBench(Bench):
         self.in_step, self._playing_both = True, False
 
     def apply(self, **setup):
-        if isinstance(setup.get("fmt"), str):  # a format's name
-            setup["fmt"] = ASCII_FORMATS[setup["fmt"]]
         self.setup = dataclasses.replace(self.setup, **setup)
         self.device.setup(self.setup.fmt, self.setup.bit_time, **settings(self.setup))
         self._settled(self.parameters)

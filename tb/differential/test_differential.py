@@ -168,7 +168,7 @@ class Match:
         if self.slave.ambiguous:
             self.slave.adopt(bool(seen.errors["long"]))
         if self.ascii or kind == "restart" or bytes(c.byte for c in characters(line))[1:2] == bytes([FC.DIAGNOSTICS]):
-            self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent
+            self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent; ASCII hides which it was
         if self.rng.randrange(COUNTERS_EVERY) == 0:
             self.compare_counters(shown)
 

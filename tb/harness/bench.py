@@ -42,7 +42,7 @@ _dirty = set()  # items of the device that an earlier test left other than 0
 
 @dataclasses.dataclass
 class Setup:
-    """The run-time inputs; names are those of the ports without _i."""
+    """The run-time inputs; names are those of the ports without _i. `fmt` may be given by a format's name."""
 
     address: int = 17
     bit_time: int = 8
@@ -64,6 +64,10 @@ class Setup:
     exception_status: int = 0
     run_indicator: int = 1
     diagnostic: int = 0
+
+    def __post_init__(self):
+        if isinstance(self.fmt, str):
+            self.fmt = ASCII_FORMATS[self.fmt]
 
 
 class Bench(HostPort, Readout):
@@ -148,9 +152,7 @@ class Bench(HostPort, Readout):
     # -------------------------------------------------------------- configuration and time
 
     def apply(self, **setup):
-        """Change run-time inputs, of the device and of the model; `fmt` may be a format's name."""
-        if isinstance(setup.get("fmt"), str):
-            setup["fmt"] = ASCII_FORMATS[setup["fmt"]]
+        """Change run-time inputs, of the device and of the model."""
         self.setup = dataclasses.replace(self.setup, **setup)
         if hasattr(self.dut, "eight_bits_i"):
             self.dut.eight_bits_i.value = int(self.setup.fmt.data_bits == 8)

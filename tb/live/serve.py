@@ -5,6 +5,7 @@
 import os
 import select
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -38,6 +39,13 @@ def refuse(with_make=True, **variables):
     lines = [s for s in done.stderr.splitlines() if s.strip() and not s.startswith(("make", "[setup]"))]
     assert not any(s.startswith("ready ") for s in done.stdout.splitlines()), done.stdout
     return done.returncode, lines
+
+
+def free_port():
+    """A port of the loopback that nobody has."""
+    with socket.socket() as made:
+        made.bind(("127.0.0.1", 0))
+        return made.getsockname()[1]
 
 
 class Serve:

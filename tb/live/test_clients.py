@@ -125,12 +125,12 @@ def test_two_clients_get_a_warning(folder):
 # ---------------------------------------------------------------------- gaps and pieces
 
 
-@pytest.mark.parametrize("gap_ms, least", [(0.31, 9), (0.57, 6)])
+@pytest.mark.parametrize("gap_ms, least", [(0.31, 11), (0.57, 6)])
 def test_gap_that_t15_allows_is_answered_at_115200(folder, gap_ms, least, record_property):
     """t1.5 is 0.75 ms there. The gap is between the last bit of the first piece and the first of the second.
 
-    A gap can become longer on its way through a busy machine: the best of some rounds counts, and not every request
-    of it must have kept its gap.
+    A gap can become longer on its way through a busy machine: the best of some rounds counts. Beside other tests not
+    every gap of 0.57 ms is kept; alone all are.
     """
     sent = 4 * 11 / 115200
     rounds = []

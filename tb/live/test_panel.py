@@ -9,7 +9,7 @@ import serial
 from live_client import LiveError
 from protocol import frames
 
-from .web import Device, browser, needs_chromium, page
+from .web import Device, needs_chromium, page
 
 pytestmark = needs_chromium
 ADDRESS, BAUD = 17, 19200
@@ -55,13 +55,6 @@ NAMELESS = """() => [...document.querySelectorAll('input, select, button, textar
   .filter((e) => !(e.labels && e.labels.length && e.labels[0].textContent.trim()))
   .filter((e) => !e.getAttribute('aria-label') && !e.textContent.trim())
   .map((e) => e.outerHTML)"""
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    """One browser for this file."""
-    with browser() as made:
-        yield made
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from protocol.defs import F8E1
 from protocol.pdm import RECORD_BYTES
 from protocol.words_special import messages, register
 
-from .web import browser, needs_chromium, page
+from .web import needs_chromium, page
 
 pytestmark = needs_chromium
 FULL = os.environ.get("FULL") == "1"
@@ -54,13 +54,6 @@ PLAY = """async ([core, jobs]) => {
   }
   return out;
 }"""
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    """One browser for this file."""
-    with browser() as made:
-        yield made
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from pymodbus import FramerType
 from pymodbus.client import ModbusTcpClient
 
 from live.controlled import Controlled, Refused
-from live.serve import Port, Serve, refuse, request
+from live.serve import Port, Serve, free_port, refuse, request
 
 NO_ANSWER = 0x0B
 SLAVES = [17, 18, 20, 21, 22]
@@ -26,13 +26,6 @@ READ = frames.read(FC.READ_HOLDINGS, 0, 2)
 def folder(tmp_path_factory):
     """Where links of this module live."""
     return tmp_path_factory.mktemp("ways")
-
-
-def free_port():
-    """A port of the loopback that nobody has."""
-    with socket.socket() as made:
-        made.bind(("127.0.0.1", 0))
-        return made.getsockname()[1]
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,8 @@ import serial
 from live_client import Live, LiveError
 from protocol import frames
 
-from .web import ROOT, Device, free_port
+from .serve import ROOT, free_port
+from .web import Device
 
 FULL = os.environ.get("FULL") == "1"
 ADDRESS, BAUD = 17, 115200
@@ -458,7 +459,6 @@ def test_ten_panels_script_and_log_cost_no_time_and_no_memory(device, record_pro
     """Median under 2 ms beyond the line's own time, and no growth over many frames.
 
     The bound is the device's, not the scheduler's: where other things keep the machine busy, the quietest rounds count.
-    The short size runs beside other tests; it only shows that panels do not hold answers up.
     """
     count = 50_000 if FULL else 500
     last = max((f["n"] for f in device.client.frames()), default=0)
@@ -481,7 +481,7 @@ def test_ten_panels_script_and_log_cost_no_time_and_no_memory(device, record_pro
     text += f"{alone[-1]:.2f}; the simulation lags {statistics.median(lags):.2f} ms; {2 * count} frames, "
     text += f"server {before[0]:.0f} to {after[0]:.0f} MB, bridge {before[1]:.1f} to {after[1]:.1f} MB"
     record_property("figures", [text])
-    assert quiet < (MOST_LATE_MS if FULL else alone[-1] + 5 * MOST_LATE_MS), text
+    assert quiet < MOST_LATE_MS, text
     assert len(got) == PANELS and min(got) > count, got
     assert after[0] - before[0] < 40 and after[1] - before[1] < 8, text
     assert status["dropped"] == 0, status

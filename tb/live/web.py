@@ -5,7 +5,6 @@
 import contextlib
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -15,18 +14,12 @@ from pathlib import Path
 import pytest
 from live_client import Live
 
-ROOT = Path(__file__).resolve().parents[2]
+from .serve import ROOT, free_port
+
 START_S = 300  # the first start of a map compiles it
 CHROMIUM = shutil.which("chromium")
 CHROMIUM_OPTIONS = ["--no-sandbox", "--disable-dev-shm-usage"]  # in containers too; it opens our own pages only
 needs_chromium = pytest.mark.skipif(not CHROMIUM, reason="chromium is not installed")
-
-
-def free_port():
-    """A port of the loopback that nobody has now."""
-    with socket.socket() as made:
-        made.bind(("127.0.0.1", 0))
-        return made.getsockname()[1]
 
 
 class Device:
