@@ -188,8 +188,9 @@ module modbus_bank_io #(
   always @(posedge clk_i) if (f_past && $past(wb_cyc_i && !wb_ack_o) && wb_cyc_i && wb_stb_i) assume ($stable(wb_adr_i));
 
   // A holding register reads as its output shows it.
+  wire [15:0] f_shown = holdings_o >> {f_place, 4'd0};
   wire f_reads = f_past & wb_ack_o & ~wb_we_i & (space == `MB_SPACE_HOLDINGS);
-  always @* if (f_reads) assert (wb_dat_o == holdings_o[16 * f_place +: 16]);
+  always @* if (f_reads) assert (wb_dat_o == f_shown);
   always @(posedge clk_i) begin
     cover (f_reads && wb_dat_o == 16'hA55A);
     cover (f_reads && wb_dat_o == 16'd0 && $past(holdings_o[15:0], 8) == 16'hA55A && $past(rst_i, 4));

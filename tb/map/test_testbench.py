@@ -26,6 +26,7 @@ core: {BROADCAST: 0, RESPONSE_DELAY: 20}
 holding_registers:
   - gaps: zero
   - {at: 10, name: level, type: i16, min: -5, max: 5}
+  - {at: 11, name: level_written}
   - {at: 20, name: total, type: u32, word_order: little, min: 70000, max: 80000, reset: 70001, strobe: true}
   - {at: 22, name: kept, kind: memory, count: 3, max: 9, reset: [1, 2, 3], strobe: true}
   - {at: 25, name: pair, type: u32, kind: memory, reset: 0x12345678}

@@ -16,17 +16,19 @@ TABLE_WORDS = ("coil", "discrete input", "input register", "holding register", "
 UNSIGNED, SIGNED, FLOAT = range(3)
 LOOP_FROM = 3  # items of an array that are written by a loop
 
-# Names that the bank needs for itself; a point of such a name gets another one inside the bank.
+# Names, and ends of names, that the bank needs for itself; a point of such a name gets another one inside the bank.
 OWN = frozenset(
     "clk rst grant_req grant_space grant_first grant_last grant_write grant_file grant_ack exception wb_cyc wb_stb wb_we "
     "wb_adr wb_dat wb_ack wb_err host_cyc host_stb host_we host_adr host_dat host_ack host_err row asked ack refused grant_refused host_ready "
     "ready look held begun kind from stage bit memory host refuse back from_back unused".split()
 )
 
+OWN_ENDS = ("_frozen", "_stb", "_written")
+
 
 def signal(point: Point) -> str:
     """The name of a point inside the bank."""
-    return f"{point.name}_point" if point.name in OWN else point.name
+    return f"{point.name}_point" if point.name in OWN or point.name.endswith(OWN_ENDS) else point.name
 
 
 def port(point: Point, suffix: str) -> str:
