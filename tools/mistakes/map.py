@@ -30,6 +30,13 @@ MISTAKES = [
         'closes = "" if point.width > 1',
     ),
     Mistake(
+        "compiler_reads_back_what_was_written_before_a_reset",
+        BANK,
+        'kept += [f"{name}_written_q <= {literal(point.size, 0)};"]',
+        'kept += [f"{name}_written_q <= {name}_written_q;"]',
+    ),
+    Mistake("compiler_reads_back_in_every_space", BANK, "<= written & (space == {SPACE_NAMES[3]})", "<= written & words"),
+    Mistake(
         "compiler_limit_is_one_low",
         BANK,
         "return order(point, low), order(point, high)",
