@@ -72,17 +72,19 @@ def test_limits_are_those_of_the_whole_value():
 
 
 def test_registers_read_their_reset_values_behind_a_reset():
-    """Every register that the master writes is read before a write, behind it, and behind the reset that follows."""
+    """Every register is read before a write, behind it, and behind the reset that follows; so are the inputs beside them."""
     match = Match(Batch([small_drive(), relay_box()]), 0)
     rng = random.Random(1)
     points = [p for p in match.device.table("holding_registers") if p.writable and p.readable and p.kind == "register"]
     assert Plan(match.device).reads_back and {point.bits for point in points} == {16, 32, 64}
+    shown = [(4, p) for p in match.device.table("input_registers")]
     for _ in range(3):
         match.begin(rng)
         for repeat in range(2):
-            for point in points:
+            for code, point in [*((3, p) for p in points), *shown]:
+                match.step(adu(ADDRESS, struct.pack(">BHH", code, point.at, point.size)))
                 for index in range(point.count):
-                    match.step(adu(ADDRESS, struct.pack(">BHH", 3, point.addresses(index)[0], point.width)))
+                    match.step(adu(ADDRESS, struct.pack(">BHH", code, point.addresses(index)[0], point.width)))
             for point in points if repeat == 0 else ():
                 for index in range(point.count):
                     legal = [item.raw for item in point.enum] or [point.maximum] if point.is_limited else []
