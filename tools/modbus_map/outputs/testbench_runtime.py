@@ -259,7 +259,7 @@ class Bench:
 
     async def expect(self, point, values, first=0, last=None):
         """The master reads these values of the items first to last."""
-        wanted = shown(point, values[first : point.count if last is None else last + 1])
+        wanted = shown(point, [values[n] for n in range(first, point.count if last is None else last + 1)])
         most = 2000 if point.table in BIT_TABLES else MOST_READ
         for start in range(0, len(wanted), most):
             part = wanted[start : start + most]
