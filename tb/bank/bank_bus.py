@@ -160,7 +160,7 @@ async def outputs_follow_the_writes(dut):
 
 @cocotb.test(skip=RAM)
 async def registers_read_as_their_outputs(dut):
-    """Every holding register, behind power-up, behind writes, and behind a reset that falls between them or into a burst."""
+    """Every holding register, behind power-up, writes, and a reset that falls between them or into a burst."""
     bank = await Bank.start(dut)
     base, count = bank.config.tables[Space.HOLDINGS]
     assert await bank.ask(Space.HOLDINGS, base, base + count - 1, 0) == 0

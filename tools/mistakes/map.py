@@ -35,7 +35,9 @@ MISTAKES = [
         'kept += [f"{name}_written_q <= {literal(point.size, 0)};"]',
         'kept += [f"{name}_written_q <= {name}_written_q;"]',
     ),
-    Mistake("compiler_reads_back_in_every_space", BANK, "<= written & (space == {SPACE_NAMES[3]})", "<= written & words"),
+    Mistake(
+        "compiler_reads_back_in_every_space", BANK, "<= written & (space == {SPACE_NAMES[3]})", "<= written & words"
+    ),
     Mistake("compiler_limits_of_a_part", BANK, 'closes = " & closes" if plan', 'closes = "" if plan'),
     Mistake(
         "compiler_limit_is_one_low",
