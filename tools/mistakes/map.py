@@ -11,7 +11,7 @@ MISTAKES = [
     Mistake(
         "compiler_value_is_stored_word_by_word", BANK, "if (write_holding && closes && (", "if (write_holding && ("
     ),
-    Mistake("compiler_words_outside_the_request_are_stored", BANK, 'f"  if (covered[{word}]) {target}', 'f"  {target}'),
+    Mistake("compiler_words_outside_the_request_are_stored", BANK, 'f"  if (covered[{word}]) {stored}', 'f"  {stored}'),
     Mistake("compiler_value_is_loaded_at_each_word", BANK, "(~begun | part == {zero}", "(1'b1 | part == {zero}"),
     Mistake(
         "compiler_words_of_an_input_exchanged", PLAN, "word if point.word_order == ", "word if point.word_order != "
