@@ -161,12 +161,12 @@ void auto_noise(void *h, double clocks, double shortest, double longest, double 
   d->until(d->now + silence);
 }
 
-// {locked, format, bit time in sixteenths of a clock, good frames, times locked}
+// {locked, format, bit time in clocks, good frames, times locked}
 void auto_state(void *h, uint64_t *state) {
   auto *d = static_cast<Device *>(h);
   state[0] = d->top.locked_o;
   state[1] = d->top.format_o;
-  state[2] = uint64_t(d->top.bit_time_o) << 4 | d->top.fraction_o;
+  state[2] = d->top.bit_time_o;
   state[3] = d->frames;
   state[4] = d->locks;
 }

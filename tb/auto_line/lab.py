@@ -23,7 +23,7 @@ T35_BITS, T35_S = 40, 0.00175  # silence between two frames
 def library(**parameters):
     """Path of the shared library of the example with `parameters`; raises models.BuildError."""
     files, folders = sources()
-    given = {"CLK_HZ": CLK_HZ, "ADDRESS": OWN, "BIT_FRACTIONS": 1, **parameters}
+    given = {"CLK_HZ": CLK_HZ, "ADDRESS": OWN, **parameters}
     return models.compiled(models.Model("modbus_example_auto", HARNESS, files, folders, given))
 
 
@@ -33,7 +33,7 @@ class Found:
 
     locked: int
     format: int
-    bit_time: float
+    bit_time: int
     frames: int
     locks: int
 
@@ -56,7 +56,7 @@ class Device:
         """A Found."""
         state = (ctypes.c_uint64 * 5)()
         self.lib.auto_state(self.handle, state)
-        return Found(state[0], state[1], state[2] / 16, state[3], state[4])
+        return Found(state[0], state[1], state[2], state[3], state[4])
 
     def reset(self):
         """One clock of reset."""
