@@ -168,7 +168,7 @@ module modbus_auto_line #(
   reg        fresh_q = 1'b0;         // the next word is not there yet
   reg        half_q = 1'b0;          // second half of a bit
   reg  [3:0] number_q = 4'd0;        // of the bit in the character
-  reg  [2:0] chars_q = 3'd0;         // characters, not above 4
+  reg  [3:0] chars_q = 4'd0;         // a one for each of the first four characters that is behind
   reg        parity_q = 1'b0;
   reg        ours_q = 1'b0, all_q = 1'b0;        // the first one is the address
   reg  [1:0] try_q = 2'd0;           // the format that is tried
@@ -202,7 +202,7 @@ module modbus_auto_line #(
   wire unused = crc_bit;
 
   wire over    = (judge_q & ended) | wrong;
-  wire fits    = first & crc_zero & chars_q[2];
+  wire fits    = first & crc_zero & chars_q[3];
   wire accept  = over & try_q[1] & (even_q | odd_q | fits);
   wire give_up = over & (&try_q) & ~fits;
   wire again   = over & ~accept & ~give_up;
@@ -264,13 +264,13 @@ module modbus_auto_line #(
     if (take) number_q <= number_q + 4'd1;
     if ((take && (first ? value : last)) || wait_q) number_q <= 4'd0;
     if (take) parity_q <= first ? try_q[0] : parity_q ^ value;
-    if (take && data_bit && chars_q == 3'd0) begin
+    if (take && data_bit && ~chars_q[0]) begin
       ours_q <= ours_q & ((value == address[number_q[2:0]]) | mask[number_q[2:0]]);
       all_q  <= all_q & ~value;
     end
-    if (take && last && !chars_q[2]) chars_q <= chars_q + 3'd1;
+    if (take && last) chars_q <= {chars_q[2:0], 1'b1};
     if (wait_q) begin
-      chars_q  <= 3'd0;
+      chars_q  <= 4'd0;
       ours_q   <= 1'b1;
       all_q    <= 1'b1;
     end
