@@ -142,7 +142,7 @@ module modbus_auto_line #(
 
   // ------------------------------------------------------------------ what becomes of it
 
-  wire failed  = behind_q & locked_q & idle_i;
+  wire failed  = behind_q & locked_q & idle_i & ~frame_stb_i;
   wire enough, judge;
 
   generate
@@ -308,6 +308,38 @@ module modbus_auto_line #(
   assign bit_time_o = bit_time_q;
   assign format_o   = format_q;
   assign locked_o   = locked_q;
+
+`ifdef FORMAL
+  // Line, memory and check field are cut off: whatever they say, the core hears the line or what was recorded, its
+  // settings change while it hears rest, and the table is never written.
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+
+  always @(posedge clk_i) if (f_past) begin
+    assert (record_q + behind_q + snap_q + judge_q + play_q <= 1);
+    if (snap_q || judge_q) assert (!locked_q);
+    if (write) assert (record_q && !spoiled_q && !(&place_q[AW-1:6]));
+    if (snap_q) assert (place_q[AW-1:6] == 0 || place_q[6]);
+    if (!$past(rst_i)) begin
+      // What the core hears
+      if (!$past(play_q)) assert (rxd_o == ($past(rxd) | !$past(locked_q)));
+      if ($past(ended)) assert (rxd_o || !$past(play_q));
+      if (!$past(play_q) && play_q) assert ($past(judge_q && (ours_q || all_q)));
+      // Settings
+      if ($past(f_past) && !$past(rst_i, 2) && !$stable(bit_time_o)) assert ($past(snap_q | (behind_q & idle_i)) && !locked_q);
+      if ($past(f_past) && !$past(rst_i, 2) && !$stable(format_o)) assert ($past(judge_q & over));
+      // Locked by a good frame alone, for one format alone; not longer than it is to be
+      if (locked_q && !$past(locked_q))
+        assert ($past(judge_q && (fits || even_q || odd_q)) && !($past(even_q | odd_q) && $past(fits & try_q == 2'd2)));
+      if ($past(enough | is_break)) assert (!locked_q);
+      if ($past(locked_q) && !locked_q) assert ($past(behind_q & idle_i & !frame_stb_i | is_break));
+    end
+    if (de_i && $past(de_i)) assert (!record_q && !behind_q && !play_q);
+    cover (behind_q && place_q == 10);
+    cover (play_q);
+  end
+`endif
 
 endmodule
 

@@ -22,9 +22,13 @@ struct Device {
   double now = 0;
   std::vector<Edge> heard;  // of txd_o, while de_o is high
   int txd = 1, drove = 0;
-  uint64_t frames = 0, locks = 0, played = 0, locked = 0;
+  uint64_t frames = 0, locks = 0, locked = 0;
+
+  bool echo = false;  // what is sent is heard
+  int line = 1;       // what the master puts on the line
 
   void clock() {
+    top.rxd_i = echo && top.de_o ? top.txd_o : line;
     cycle(top);
     now += 1;
     if (top.txd_o != txd) heard.push_back({now, txd = top.txd_o});
@@ -38,7 +42,7 @@ struct Device {
   }
   void level(double time, int value) {
     until(time);
-    top.rxd_i = value;
+    line = value;
   }
 };
 
@@ -76,10 +80,12 @@ void auto_reset(void *h) {
   d->top.rst_i = 0;
 }
 
+void auto_echo(void *h, int on) { static_cast<Device *>(h)->echo = on; }
+
 // The line has this level for so many clocks.
 void auto_rest(void *h, double clocks, int level) {
   auto *d = static_cast<Device *>(h);
-  d->top.rxd_i = level;
+  d->line = level;
   d->until(d->now + clocks);
 }
 
@@ -100,7 +106,7 @@ void auto_send(void *h, const uint8_t *data, int count, double bit, int format, 
       seed = seed * 1664525u + 1013904223u;
       const double late = (level ? skew : 0) + jitter * (seed >> 8) / double(1 << 24);
       if (time >= from) d->level(time + shift + late, level);
-      else d->top.rxd_i = level;
+      else d->line = level;
     }
     time += gap * bit;
   }
@@ -152,12 +158,12 @@ void auto_noise(void *h, double clocks, double shortest, double longest, double 
     seed = seed * 1664525u + 1013904223u;
     const double share = (seed >> 8) / double(1 << 24);
     level ^= 1;
-    d->top.rxd_i = level;
+    d->line = level;
     seed = seed * 1664525u + 1013904223u;
     const bool rests = level && (seed >> 8) % 64 == 0;
     d->until(d->now + (rests ? silence : shortest * std::pow(longest / shortest, share)));
   }
-  d->top.rxd_i = 1;
+  d->line = 1;
   d->until(d->now + silence);
 }
 

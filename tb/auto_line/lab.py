@@ -66,6 +66,10 @@ class Device:
         """The line has this level for so long."""
         self.lib.auto_rest(self.handle, ctypes.c_double(seconds * self.hz), level)
 
+    def echo(self, on):
+        """Does the device hear what it sends?"""
+        self.lib.auto_echo(self.handle, int(on))
+
     def noise(self, seconds, shortest, longest, silence, seed):
         """Runs of random length between two times in seconds, now and then a silence."""
         times = (ctypes.c_double(time * self.hz) for time in (seconds, shortest, longest, silence))

@@ -17,6 +17,9 @@ USUAL = {
     "suites on gates": 0,
     "builds on gates": 2,
     "random maps": 60,
+    "random starts of the automatic line": 72,
+    "changes of the rate": 30,
+    "frame times of noise": 4_000,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
@@ -31,6 +34,9 @@ FULL = {
     "suites on gates": 6,
     "builds on gates": 4,
     "random maps": 5_000,
+    "random starts of the automatic line": 10_000,
+    "changes of the rate": 1_000,
+    "frame times of noise": 1_000_000,
 }
 
 
