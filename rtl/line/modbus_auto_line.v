@@ -28,8 +28,8 @@
 module modbus_auto_line #(
   parameter integer CLK_HZ        = 50000000,    // clk_i in hertz
   parameter integer MIN_BAUD      = 1200,        // the slowest rate that can be found: CLK_HZ / 65535 or more
-  parameter [287:0] RATES         = {32'd230400, 32'd115200, 32'd57600, 32'd38400, 32'd19200, 32'd9600, 32'd4800, 32'd2400,
-                                     32'd1200},  // standard rates, the fastest first; 0: none
+  // Nine standard rates of 32 bits, the fastest first, 0: none.  230400 115200 57600 38400 19200 9600 4800 2400 1200
+  parameter [287:0] RATES = 288'h00038400_0001C200_0000E100_00009600_00004B00_00002580_000012C0_00000960_000004B0,
   parameter integer RUN_BITS      = 8,           // 2^RUN_BITS words for runs and table, 8..12
   parameter integer RELEASE       = 1,           // bad frames in a row that end the lock, 1..255
   parameter integer GLITCH_FILTER = 0            // clocks: a shorter pulse on rxd_i is not seen, 0..255
@@ -86,7 +86,7 @@ module modbus_auto_line #(
 
   reg          locked_q = 1'b0;
   reg [1:0]    format_q = `MB_FORMAT_8N2;
-  reg [15:0]   bit_time_q = 16'd4096;
+  reg [15:0]   bit_time_q = 16'd64;    // of use to nobody, but legal
 
   // ------------------------------------------------------------------ line and ticks
 
@@ -104,7 +104,7 @@ module modbus_auto_line #(
   // ------------------------------------------------------------------ memory
 
   reg  [AW-1:0] place_q = {AW{1'b0}};
-  reg  [15:0]   count_q = 16'd0;                 // ticks of the run on the line
+  reg  [15:0]   count_q;                 // ticks of the run on the line
   wire [15:0]   word;
   wire          write;
 
@@ -134,11 +134,12 @@ module modbus_auto_line #(
   wire turn    = free & (rxd != level);
   wire silence = free & rxd & level & (longest | (~bit_q[13] & ~bit_q[12] & (count_q[15:8] >= bit_q[11:4])));
   wire stores  = turn | silence;
-  wire marks   = ending_q & shorter_q;           // a run of no length is the end
+  wire marks   = record_q & ending_q & shorter_q;           // a run of no length is the end
   wire is_break = free & ~rxd & longest;
   // A good frame has at least eight runs; less is a spike.
   wire no_frame = spoiled_q | (place_q[AW-1:3] == {AW-3{1'b0}});
-  assign write = (stores | marks) & ~spoiled_q;
+  wire in_table = &place_q[AW-1:6];
+  assign write = (stores | marks) & ~in_table;
 
   // ------------------------------------------------------------------ what becomes of it
 
@@ -239,8 +240,8 @@ module modbus_auto_line #(
     shorter_q <= read_q;
     ending_q  <= record_q & (ending_q | silence) & ~marks;
     if (tick_q) count_q <= count_q + 16'd1;
-    if (stores || ending_q || !record_q) count_q <= 16'd0;
-    spoiled_q <= record_q & (spoiled_q | is_break | (&place_q[AW-1:6]));
+    if (stores || ending_q || !record_q) count_q <= 16'd1;         // the tick that is shared
+    spoiled_q <= record_q & (spoiled_q | is_break | in_table);
     locked_q  <= accept ? ~two_fit : locked_q & ~is_break & ~enough & ~rst_i;
 
     // The place in the memory
@@ -319,7 +320,7 @@ module modbus_auto_line #(
   always @(posedge clk_i) if (f_past) begin
     assert (record_q + behind_q + snap_q + judge_q + play_q <= 1);
     if (snap_q || judge_q) assert (!locked_q);
-    if (write) assert (record_q && !spoiled_q && !(&place_q[AW-1:6]));
+    if (write) assert (record_q && !snap_q && !(&place_q[AW-1:6]));
     if (snap_q) assert (place_q[AW-1:6] == 0 || place_q[6]);
     if (!$past(rst_i)) begin
       // What the core hears

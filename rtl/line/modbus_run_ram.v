@@ -30,7 +30,7 @@ module modbus_run_ram #(
   (* no_rw_check *) reg [15:0] memory [0:WORDS-1];
   reg  [15:0] read_q = 16'd0;
 
-  // Words of the table: 0 to 3 of rate n.  Within 2 %; a run that is measured may be a tick short.
+  // Words of the table: 0 to 3 of rate n.  Within 2 %, rounded to ticks
   function [15:0] entry(input integer n, input integer which);
     integer rate, ticks;
     // verilator lint_off UNUSED
@@ -39,7 +39,7 @@ module modbus_run_ram #(
     begin
       rate  = RATES[32 * (RATE_COUNT - 1 - n) +: 32];
       ticks = (rate == 0) ? 0 : (TICK_HZ + rate / 2) / rate;
-      value = (ticks == 0) ? 0 : (which == 0) ? ticks * 98 / 100 - 1 : (which == 1) ? ticks * 102 / 100 :
+      value = (ticks == 0) ? 0 : (which == 0) ? (ticks * 98 + 49) / 100 - 1 : (which == 1) ? (ticks * 102 + 50) / 100 :
               (which == 2) ? (CLK_HZ + rate / 2) / rate : 0;
       entry = value[15:0];
     end

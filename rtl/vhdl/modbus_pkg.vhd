@@ -458,6 +458,32 @@ package modbus_pkg is
     );
   end component modbus_bank_io;
 
+  component modbus_auto_line is
+    generic (
+      CLK_HZ        : natural                        := 50000000;
+      MIN_BAUD      : natural                        := 1200;
+      RATES         : std_logic_vector(287 downto 0) := x"000384000001C2000000E1000000960000004B0000002580000012C000000960000004B0";
+      RUN_BITS      : natural                        := 8;
+      RELEASE       : natural                        := 1;
+      GLITCH_FILTER : natural                        := 0
+    );
+    port (
+      clk_i       : in  std_logic;
+      rst_i       : in  std_logic := '0';
+      rxd_i       : in  std_logic;
+      rxd_o       : out std_logic;
+      de_i        : in  std_logic := '0';
+      idle_i      : in  std_logic := '0';
+      frame_stb_i : in  std_logic := '0';
+      bit_time_o  : out std_logic_vector(15 downto 0);
+      format_o    : out std_logic_vector(1 downto 0);
+      snap_i      : in  std_logic := '0';
+      address_i   : in  std_logic_vector(7 downto 0) := (others => '0');
+      mask_i      : in  std_logic_vector(7 downto 0) := (others => '0');
+      locked_o    : out std_logic
+    );
+  end component modbus_auto_line;
+
 end package modbus_pkg;
 
 library ieee;

@@ -59,8 +59,9 @@ class Device:
         return Found(state[0], state[1], state[2], state[3], state[4])
 
     def reset(self):
-        """One clock of reset."""
+        """One clock of reset, then the silence that the core must see."""
         self.lib.auto_reset(self.handle)
+        self.rest(0.002)
 
     def rest(self, seconds, level=1):
         """The line has this level for so long."""
@@ -87,11 +88,12 @@ class Master:
     def send(self, frame, skip_bits=0.0):
         """Put a frame on the line; its first `skip_bits` are not heard."""
         d = self.device
-        doubles = [self.bit, self.rng.random(), self.gap, skip_bits * self.bit, self.skew * self.bit, self.jitter * self.bit]
-        bit, phase, gap, skip, skew, jitter = map(ctypes.c_double, doubles)
+        bits = (skip_bits * self.bit, self.skew * self.bit, self.jitter * self.bit)
+        times = map(ctypes.c_double, (self.rng.random(), self.gap, *bits))
+        bit = ctypes.c_double(self.bit)
         data = (ctypes.c_uint8 * len(frame)).from_buffer_copy(frame)
         seed = ctypes.c_uint32(self.rng.getrandbits(32))
-        d.lib.auto_send(d.handle, data, len(frame), bit, self.fmt.code, phase, gap, skip, skew, jitter, seed)
+        d.lib.auto_send(d.handle, data, len(frame), bit, self.fmt.code, *times, seed)
 
     def answer(self, patience_bits=PATIENCE_BITS, patience_s=PATIENCE_S):
         """The bytes of an answer, b"" for silence, None for one that is not of this rate and format."""

@@ -21,7 +21,8 @@ def fits_two(frame):
 def starts(device, each, seed=SEED, rates=RATES):
     """{(rate, format name): Counter of requests until the first answer} of so many random starts for each."""
     rng = random.Random(seed)
-    return {(rate, fmt.name): Counter(start(device, rate, fmt, rng) for _ in range(each)) for rate in rates for fmt in FORMATS}
+    pairs = [(rate, fmt) for rate in rates for fmt in FORMATS]
+    return {(rate, fmt.name): Counter(start(device, rate, fmt, rng) for _ in range(each)) for rate, fmt in pairs}
 
 
 def changed_rate(device, changes, seed=SEED, rates=RATES):
@@ -57,7 +58,8 @@ def noise(device, frames_of_noise, seed=SEED, rate=115200, bytes_each=8):
     while left > 0:
         span = min(left, 0.5)
         shortest = bit * rng.choice((0.05, 0.5, 0.9, 1))
-        device.noise(span, shortest, shortest * rng.choice((1.2, 4, 9)), rng.choice((20, 40, 200)) * bit, rng.getrandbits(32))
+        longest, silence = shortest * rng.choice((1.2, 4, 9)), rng.choice((20, 40, 200)) * bit
+        device.noise(span, shortest, longest, silence, rng.getrandbits(32))
         left -= span
     return device.state().locks - before
 
