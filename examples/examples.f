@@ -5,3 +5,4 @@ examples/modbus_example_ram.v
 examples/modbus_example_soc_wb.v
 examples/modbus_example_soc_axil.v
 examples/modbus_example_auto.v
+examples/modbus_example_units.v

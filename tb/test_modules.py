@@ -58,6 +58,11 @@ MODULES = {
     "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank.bank_guard"),
     "bank_ram": ("modbus_bank_ram", TABLES, "bank.bank_bus"),
     "bank_io": ("modbus_bank_io", {}, "bank.bank_bus"),
+    "example_units": (
+        "modbus_example_units",
+        {"CLK_HZ": 1_000_000, "BIT_TIME": 16, "T15_MIN_US": 0, "T35_MIN_US": 0},
+        "examples.example_units",
+    ),
     "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "examples.example_user"),
     "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "examples.pdm_record"),
     "pdm_record_4": ("modbus_pdm_record", {"DEPTH": 4}, "examples.pdm_record"),

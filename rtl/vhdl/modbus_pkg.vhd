@@ -91,15 +91,16 @@ package modbus_pkg is
   ) return mb_settings_vector;
 
   -- host_state_i
-  constant MB_HOST_STATE_WIDTH : natural := 29;
+  constant MB_HOST_STATE_WIDTH : natural := 30;
   subtype mb_host_state_vector is std_logic_vector(MB_HOST_STATE_WIDTH - 1 downto 0);
-  constant MB_HOST_AT_REST : mb_host_state_vector := "00000000000000000000000000010";
+  constant MB_HOST_AT_REST : mb_host_state_vector := "000000000000000000000000000010";
   function mb_host_state (
     busy             : std_logic                     := '0';
     run              : std_logic                     := '1';
     failure          : std_logic_vector(3 downto 0)  := x"0";
     exception_status : std_logic_vector(7 downto 0)  := x"00";
-    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000"
+    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000";
+    unit_ours        : std_logic                     := '0'
   ) return mb_host_state_vector;
 
   -- events_o
@@ -167,6 +168,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      UNITS                 : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_PORT             : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -242,6 +245,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      UNITS                 : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_PORT             : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -298,6 +303,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      UNITS                 : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_PORT             : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -334,6 +341,7 @@ package modbus_pkg is
       rx_active_o   : out std_logic;
       alive_o       : out std_logic;
       idle_o        : out std_logic;
+      unit_o        : out std_logic_vector(7 downto 0);
       host_state_i  : in  mb_host_state_vector := MB_HOST_AT_REST;
       grant_req_o   : out std_logic;
       grant_space_o : out std_logic_vector(2 downto 0);
@@ -515,10 +523,11 @@ package body modbus_pkg is
     run              : std_logic                     := '1';
     failure          : std_logic_vector(3 downto 0)  := x"0";
     exception_status : std_logic_vector(7 downto 0)  := x"00";
-    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000"
+    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000";
+    unit_ours        : std_logic                     := '0'
   ) return mb_host_state_vector is
   begin
-    return diagnostic & exception_status & failure & run & busy;
+    return unit_ours & diagnostic & exception_status & failure & run & busy;
   end function;
 
   function mb_user_reply (
