@@ -14,9 +14,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tb"), str(ROOT / "tools")]
 
+from harness.volume import volume  # noqa: E402
+
 from auto_line import measure  # noqa: E402
 from auto_line.lab import FORMATS, RATES, Device  # noqa: E402
-from harness.volume import volume  # noqa: E402
 
 DOCUMENT, PLOT = ROOT / "docs/auto_line.md", ROOT / "docs/auto_line.svg"
 MARKS = re.compile(r"(<!-- starts table begin -->\n).*?(<!-- starts table end -->)", re.DOTALL)
@@ -46,7 +47,8 @@ def plot(counts):
     """An SVG: for each rate and format a bar of the starts answered at the first, second and a later request."""
     width, height = LEFT + COLUMN * len(FORMATS) + 170, TOP + ROW * len(RATES) + 20
     out = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}"',
+        'font-family="sans-serif" font-size="12">',
         f'<rect width="{width}" height="{height}" fill="white"/>',
         f'<text x="{LEFT}" y="16">Requests until the first answer, share of the random starts</text>',
     ]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""modbus_example_units at the pins: three units in one core, among other slaves; broadcasts, exceptions, host's unit."""
+"""modbus_example_units at the pins: three units in one core, among other slaves, one of them the host's choice."""
 
 import random
 
@@ -76,7 +76,7 @@ async def each_unit_has_its_own_registers(dut):
         assert await line.ask(request) == request
         held[place][item] = value
         assert await line.held() == held and line.writes[-1] == unit
-        if rng.random() < 0.5:                     # another slave, and its answer
+        if rng.random() < 0.5:  # another slave, and its answer
             foreign = frames.adu(rng.choice(OTHERS), frames.write_register(item, 0xDEAD))
             for _ in range(2):
                 assert await line.ask(foreign) == b""
@@ -99,7 +99,7 @@ async def broadcast_is_one_request_for_all(dut):
 async def no_other_address_is_answered(dut):
     line = await begin(dut)
     for address in (*OTHERS, UNITS[2], 248, 255):
-        dut.third_i.value = address if address > 247 else 0    # neither is a unit, whatever the host says
+        dut.third_i.value = address if address > 247 else 0  # neither is a unit, whatever the host says
         assert await line.ask(frames.adu(address, frames.read(3, 0, 1))) == b"", f"address {address}"
     assert await line.ask(frames.adu(0, frames.read(3, 0, 1))) == b""
 

@@ -84,7 +84,7 @@ async def frame_for_another_is_not_played(dut):
     assert line.found() == (1, 52, 0)
     assert set(line.out) == {1}
     line.out.clear()
-    dut.idle_i.value = 0                           # the core receives it
+    dut.idle_i.value = 0  # the core receives it
     await line.send(FRAME, 52, FORMATS[0], 1)
     assert runs(line.out)[1:-1] == runs([1, *line.out])[1:-1] and 0 in line.out, "locked, but the core hears nothing"
 
@@ -177,8 +177,11 @@ async def wrong_frames_do_not_lock(dut):
 async def formats_that_both_fit_take_turns(dut):
     """All bytes have an odd parity: the same in 8E1 and 8N2."""
     line = await begin(dut)
-    frame = next(f for f in (frames.adu(1, bytes([7, n, m])) for n in range(256) for m in range(256))
-                 if all(bin(byte).count("1") & 1 for byte in f))
+    frame = next(
+        f
+        for f in (frames.adu(1, bytes([7, n, m])) for n in range(256) for m in range(256))
+        if all(bin(byte).count("1") & 1 for byte in f)
+    )
     taken = []
     for _ in range(4):
         await line.send(frame, 52, FORMATS[0])

@@ -170,7 +170,7 @@ class Slave(DataAccess):
             self.diagnostics.unheard(pdu, address == BROADCAST)
             return None
         answer = self._answer(pdu, address == BROADCAST)
-        return None if answer is None else frames.adu(self.config.address, answer)
+        return None if answer is None else frames.adu(address, answer)
 
     def adopt(self, long):
         """Settle an ambiguous bad frame: `long` tells whether the device took it for too long."""
@@ -215,8 +215,8 @@ class Slave(DataAccess):
     def _for_us(self, address):
         if address == BROADCAST:
             return self.config.broadcast
-        own = self.config.address
-        return FIRST_ADDRESS <= own <= LAST_ADDRESS and address == own
+        ours = {self.config.address, *self.config.units}
+        return FIRST_ADDRESS <= address <= LAST_ADDRESS and address in ours
 
     # ------------------------------------------------------------------ the request
 

@@ -17,6 +17,8 @@ MODULES_ALONE = {
     "frame_tx": ("modbus_frame_tx.v",),
     "line": ("modbus_line.v", "modbus_frame_rx.v", "modbus_frame_tx.v", "modbus_line_timer.v", "modbus_uart.v"),
     "bank_guard": ("modbus_bank_guard.v",),
+    "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
+    "example_units": ("modbus_units.v", "modbus_example_units.v"),
     "sequencer": ("modbus_sequencer.v",),
     "range": ("modbus_range.v",),
     "burst": ("modbus_burst.v",),
