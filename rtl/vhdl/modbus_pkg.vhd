@@ -215,7 +215,6 @@ package modbus_pkg is
     generic (
       HOST_MAP              : natural                         := 1;
       HOST_SETTINGS         : natural                         := 0;
-      LINE_HEALTH           : natural                         := 0;
       ADDRESS               : natural                         := 1;
       BAUD                  : natural                         := 19200;
       FORMAT                : natural                         := 0;

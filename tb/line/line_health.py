@@ -88,8 +88,7 @@ async def a_break_is_counted_once(dut):
 @cocotb.parametrize(fmt=list(FORMATS))
 async def largest_gap_of_good_frames_is_kept(dut, fmt):
     rng = await begin(dut, fmt)
-    cases = ((0, FRAME, 0), (0.5, FRAME, 0.5), (0.3, FRAME, 0.5), (1.4, CRC, 0.5), (1.2, FRAME, 1.2))
-    for gap, event, largest in cases:
+    for gap, event, largest in ((0, FRAME, 0), (0.5, FRAME, 0.5), (0.3, FRAME, 0.5), (1.4, CRC, 0.5), (1.2, FRAME, 1.2)):
         data = any_frame(rng, 4)
         line = [(byte, gap if place == 2 else 0.0, None) for place, byte in enumerate(data)]
         await send(dut, line, fmt, event)
