@@ -23,13 +23,10 @@ module modbus_example_auto #(
   parameter integer MIN_BAUD = 1200,             // the slowest rate that can be found
   parameter integer RUN_BITS = 8,                // 2^RUN_BITS words for the runs of a frame
   parameter integer SNAP     = 1,                // 1: a rate within 2 % of a standard one is taken for that
-  parameter integer LINE_HEALTH = 0,             // 1: input registers 3 to 11 are those of modbus_line_health; INPUT_COUNT = 12
   parameter integer RELEASE  = 1,                // bad frames in a row that end the lock, 1..255
 `include "modbus_tables.vh"
   ,
-  // verilator lint_off UNUSED
 `include "modbus_table_widths.vh"
-  // verilator lint_on UNUSED
   ,
 `include "modbus_config.vh"
 ) (
@@ -53,8 +50,8 @@ module modbus_example_auto #(
     if (ADDRESS < 1 || ADDRESS > 247) begin : gen_address
       ERROR_modbus_ADDRESS_from_1_to_247 illegal_parameter ();
     end
-    if (INPUT_COUNT != ((LINE_HEALTH != 0) ? 12 : 3) || INPUT_BASE != 0) begin : gen_inputs
-      ERROR_modbus_example_auto_has_the_input_registers_0_to_2_or_0_to_11 illegal_parameter ();
+    if (INPUT_COUNT != 3 || INPUT_BASE != 0) begin : gen_inputs
+      ERROR_modbus_example_auto_has_the_input_registers_0_to_2 illegal_parameter ();
     end
   endgenerate
 
@@ -84,27 +81,11 @@ module modbus_example_auto #(
 `include "modbus_bank_core_inst.vh"
   );
 
-  wire [143:0] health;
-  generate
-    if (LINE_HEALTH != 0) begin : gen_health
-      modbus_line_health u_health (
-        .clk_i(clk_i), .rst_i(rst_i), .clear_i(1'b0), .rxd_i(rxd_i), .de_i(de_o), .bit_time_i(bit_time_o), .format_i(format_o),
-        .events_i(events_o), .health_o(health)
-      );
-    end else begin : gen_no_health
-      assign health = 144'd0;
-    end
-  endgenerate
-
-  // verilator lint_off UNUSED
-  wire [191:0] inputs = {health, 15'd0, locked_o, 14'd0, format_o, bit_time_o};
-  // verilator lint_on UNUSED
-
   modbus_bank_io #(
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .coils_o(), .discretes_i({DISCRETE_WIDTH{1'b0}}),
-    .inputs_i(inputs[INPUT_WIDTH-1:0]), .holdings_o(holdings_o),
+    .inputs_i({15'd0, locked_o, 14'd0, format_o, bit_time_o}), .holdings_o(holdings_o),
 `include "modbus_bank_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY

@@ -14,7 +14,6 @@
 module modbus_rtu_slave #(
   parameter integer HOST_MAP      = 1,           // 1: counters, event log and settings are space 5 of the host port
   parameter integer HOST_SETTINGS = 0,           // 1: the host may change the settings at run time
-  parameter integer LINE_HEALTH   = 0,           // 1: counters and measurements of the line are in space 5 too
 `include "modbus_settings.vh"
   ,
 `include "modbus_tables.vh"
@@ -59,8 +58,6 @@ module modbus_rtu_slave #(
   wire [15:0]                     status_read, bank_write, bank_read;
   wire                            bank_cyc, bank_stb, bank_we, bank_ack, bank_err;
   wire [18:0]                     bank_adr;
-  wire [`MB_EVENTS_WIDTH-1:0]     events;
-  wire [143:0]                    health;
 
   // The drop-in leaves the user port and the events alone.
   // verilator lint_off PINCONNECTEMPTY
@@ -71,7 +68,7 @@ module modbus_rtu_slave #(
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
     .host_state_i(host_state), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
     .user_reply_i(`MB_NO_USER), .status_stb_i(status_stb), .status_adr_i(status_adr), .status_dat_o(status_read),
-    .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(events), .alive_o(alive_o), .rx_active_o(),
+    .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(), .alive_o(alive_o), .rx_active_o(),
     .listen_only_o(), .unit_o(), .idle_o(idle),
 `include "modbus_bank_core_inst.vh"
   );
@@ -82,20 +79,8 @@ module modbus_rtu_slave #(
   assign write_last_o  = grant_last;
   assign write_file_o  = grant_file;
 
-  generate
-    if (HOST_MAP != 0 && LINE_HEALTH != 0) begin : gen_health
-      modbus_line_health u_health (
-        .clk_i(clk_i), .rst_i(rst_i), .clear_i(1'b0), .rxd_i(rxd_i), .de_i(de_o), .bit_time_i(settings[`MB_SET_BIT_TIME]),
-        .format_i(settings[`MB_SET_FORMAT]), .events_i(events), .health_o(health)
-      );
-    end else begin : gen_no_health
-      wire unused = &{1'b0, events};
-      assign health = 144'd0;
-    end
-  endgenerate
-
   modbus_host_map #(
-    .HOST_MAP(HOST_MAP), .LINE_HEALTH(LINE_HEALTH), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
+    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
     .INITIAL_STATE(`MB_HOST_AT_REST)
   ) u_host_map (
     .clk_i(clk_i), .rst_i(rst_i), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
@@ -103,7 +88,7 @@ module modbus_rtu_slave #(
     .host_err_o(host_err_o), .bank_cyc_o(bank_cyc), .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr),
     .bank_dat_o(bank_write), .bank_dat_i(bank_read), .bank_ack_i(bank_ack), .bank_err_i(bank_err),
     .status_stb_o(status_stb), .status_adr_o(status_adr), .status_dat_i(status_read), .status_ack_i(status_ack),
-    .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST), .write_lock_i(1'b0), .idle_i(idle), .health_i(health), .settings_o(settings),
+    .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST), .write_lock_i(1'b0), .idle_i(idle), .settings_o(settings),
     .host_state_o(host_state), .write_lock_o(write_lock)
   );
 

@@ -39,7 +39,7 @@ SUITES = {
     "wishbone_host": ("slave_bench", MAPPED, "slave", None),
     "host_map_axil": (MAPPING, {**MAPPED, "AXIL": 1}, "host_map", None),
     "host_map_wishbone": (MAPPING, {**MAPPED, "AXIL": 0, "BIT_FRACTIONS": 1}, "host_map", None),
-    "host_map_reads_only": (MAPPING, {**MAPPED, "AXIL": 0, "HOST_SETTINGS": 0, "LINE_HEALTH": 1}, "host_map", "item|counters"),
+    "host_map_reads_only": (MAPPING, {**MAPPED, "AXIL": 0, "HOST_SETTINGS": 0}, "host_map", "item|counters"),
     "host_map_left_out": (MAPPING, {**MAPPED, "AXIL": 1, "HOST_MAP": 0}, "host_map", "left_out"),
     "soc_axil": ("modbus_example_soc_axil", NO_FLOORS, "soc", None),
     "soc_axil_largest": ("modbus_example_soc_axil", {**NO_FLOORS, "WORDS": 65536}, "soc", "half_a_write"),

@@ -26,7 +26,6 @@
 // | 8A      | 15..1: these bits of the diagnostic register are set        | yes   |
 // | 8B      | 0: write lock                                               | yes   |
 // | 8C      | 0: the line is idle, settings may change                    | err   |
-// | 90..98  | registers 0 to 8 of modbus_line_health, with LINE_HEALTH = 1 | err  |
 //
 // Other items answer err, and so does 87 with BIT_FRACTIONS = 0.  Unused bits read 0 and are ignored when written.
 // A write of 81 leaves 87 as it is: a new rate needs both.
@@ -47,7 +46,6 @@ module modbus_host_map #(
   parameter integer HOST_MAP      = 1,           // 0: no space 5
   parameter integer HOST_SETTINGS = 1,           // 0: the host reads the settings, but cannot change them
   parameter integer BIT_FRACTIONS = 0,           // that of the core
-  parameter integer LINE_HEALTH   = 0,           // 1: health_i can be read
   parameter [`MB_SETTINGS_WIDTH-1:0]   INITIAL_SETTINGS = 0,
   parameter [`MB_HOST_STATE_WIDTH-1:0] INITIAL_STATE    = 0,
   parameter [0:0]                      INITIAL_LOCK     = 0
@@ -81,8 +79,6 @@ module modbus_host_map #(
   input  wire [15:0] status_dat_i,
   input  wire        status_ack_i,
 
-  input  wire [143:0] health_i,                  // modbus_line_health, with LINE_HEALTH = 1
-
   // Core: settings and state of the host; the inputs count with HOST_SETTINGS = 0
   input  wire [`MB_SETTINGS_WIDTH-1:0]   settings_i,
   input  wire [`MB_HOST_STATE_WIDTH-1:0] host_state_i,
@@ -107,7 +103,6 @@ module modbus_host_map #(
   wire        near = own & (host_adr_i[15:8] == 8'd0);
   wire        status   = near & ~host_adr_i[7];
   wire        settings = near & (host_adr_i[7:4] == 4'h8);
-  wire        health   = near & (host_adr_i[7:4] == 4'h9) & (item <= 4'h8) & (LINE_HEALTH != 0);
 
   // ------------------------------------------------------------------ which items exist
 
@@ -118,8 +113,8 @@ module modbus_host_map #(
 
   wire stb        = host_cyc_i & host_stb_i;
   wire own_ack    = (status & status_exists & ~host_we_i & status_ack_i) |
-                    (settings & (host_we_i ? settings_writes : settings_exist)) | (health & ~host_we_i);
-  wire own_err    = host_we_i ? ~(settings & settings_writes) : ~((status & status_exists) | (settings & settings_exist) | health);
+                    (settings & (host_we_i ? settings_writes : settings_exist));
+  wire own_err    = host_we_i ? ~(settings & settings_writes) : ~((status & status_exists) | (settings & settings_exist));
 
   // ------------------------------------------------------------------ registers
 
@@ -192,8 +187,7 @@ module modbus_host_map #(
     endcase
   end
 
-  assign host_dat_o = ~own ? bank_dat_i : ~host_adr_i[7] ? status_dat_i :
-                      (host_adr_i[4] & (LINE_HEALTH != 0)) ? health_i[{item, 4'd0} +: 16] : setting;
+  assign host_dat_o = ~own ? bank_dat_i : host_adr_i[7] ? setting : status_dat_i;
   assign host_ack_o = own ? stb & own_ack : bank_ack_i;
   assign host_err_o = own ? stb & own_err : bank_err_i;
 

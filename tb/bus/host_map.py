@@ -41,7 +41,6 @@ SETTINGS = {
 IDLE = 0x8C
 if PARAMETERS.get("BIT_FRACTIONS"):
     SETTINGS[0x87] = (0, 0xF)
-HEALTH = range(0x90, 0x99) if PARAMETERS.get("LINE_HEALTH") else ()  # the bench has 9900H + n there
 STATUS = [*range(3), *range(0x0A, 0x13), *range(0x40, 0x80)]
 ADDRESS, BIT_TIME, FORMAT, OPTIONS, DELAY, STALL, DRIVER, FRACTION = range(0x80, 0x88)
 STATE, EXCEPTION_STATUS, DIAGNOSTIC, LOCK = range(0x88, 0x8C)
@@ -113,11 +112,9 @@ async def every_item_is_there_or_errs(dut):
         seen = await tb.cpu.read(CORE, item)
         if item in SETTINGS:
             assert seen == SETTINGS[item][0], f"item {item:02X}: {seen}"
-        elif item in HEALTH:
-            assert seen == 0x9900 + item - 0x90, f"item {item:02X}: {seen}"
         else:
             assert (seen is not None) == (item in STATUS or item == IDLE), f"item {item:04X}: {seen}"
-    for item in (*range(0x9A), 0xFF, 0x180, 0x8080):
+    for item in (*range(0x90), 0xFF, 0x180, 0x8080):
         written = await tb.cpu.write(CORE, item, 0xFFFF)
         assert bool(written) == (WRITES and item in SETTINGS), f"write to {item:04X}"
         for other, (begins, mask) in SETTINGS.items():

@@ -11,7 +11,6 @@ module host_map_bench #(
   parameter integer HOST_MAP = 1,
   parameter integer HOST_SETTINGS = 1,
   parameter integer BIT_FRACTIONS = 0,
-  parameter integer LINE_HEALTH = 0,             // 1: its register n is 9900H + n
   parameter integer T15_MIN_US = 0,
   parameter integer T35_MIN_US = 0,
   parameter [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS,
@@ -99,7 +98,7 @@ module host_map_bench #(
   assign write_file_o  = grant_file;
 
   modbus_host_map #(
-    .LINE_HEALTH(LINE_HEALTH), .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
+    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
     .INITIAL_STATE(`MB_HOST_AT_REST)
   ) u_map (
     .clk_i(clk_i), .rst_i(rst_i), .host_cyc_i(cyc), .host_stb_i(stb), .host_we_i(we), .host_adr_i(adr),
@@ -107,8 +106,7 @@ module host_map_bench #(
     .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr), .bank_dat_o(to_bank), .bank_dat_i(from_bank),
     .bank_ack_i(bank_ack), .bank_err_i(bank_err), .status_stb_o(status_stb), .status_adr_o(status_adr),
     .status_dat_i(status_dat), .status_ack_i(status_ack), .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST),
-    .write_lock_i(1'b0), .idle_i(idle_o),
-    .health_i(144'h9908_9907_9906_9905_9904_9903_9902_9901_9900), .settings_o(settings), .host_state_o(host_state), .write_lock_o(write_lock)
+    .write_lock_i(1'b0), .idle_i(idle_o), .settings_o(settings), .host_state_o(host_state), .write_lock_o(write_lock)
   );
 
   modbus_bank_ram #(
