@@ -4,7 +4,7 @@
 // modbus_example_units - three slaves in one core: units 17, 18 and one that the host chooses, each with a bank of its own.
 //
 // The core shows the unit of a request at unit_o, and the bank of that unit is asked.  17 is the address of the settings,
-// 18 stands in UNITS, and third_i is taken by MB_HOST_UNIT_OURS, so it may change at run time.  A broadcast is one
+// 18 stands in UNIT_SET, and third_i is taken by MB_HOST_UNIT_OURS, so it may change at run time.  A broadcast is one
 // request: all three banks execute its write in the same clocks.  Counters and event log are shared.
 
 `default_nettype none
@@ -46,7 +46,7 @@ module modbus_example_units #(
   // verilator lint_off PINCONNECTEMPTY
   modbus_rtu_core #(
     .FUNCTION_CODES(TABLE_CODES), .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US),
-    .UNITS(248'd1 << SECOND), .UNIT_PORT(1)
+    .UNIT_SET(248'd1 << SECOND), .UNIT_PORT(1)
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o),
     .settings_i(`MB_LINE_SETTINGS(FIRST, BIT_TIME[15:0], FORMAT[1:0])), .host_state_i(`MB_HOST_AT_REST | unit_ours), .user_req_o(),

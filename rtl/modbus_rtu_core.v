@@ -27,7 +27,7 @@ module modbus_rtu_core #(
   output wire        rx_active_o,                // level : a frame is being received
   output wire        alive_o,                    // level : a master talks to us
   output wire        idle_o,                     // level : nothing is received, worked on or sent
-  output wire [7:0]  unit_o,                     // level : address of the request, 0 broadcast, with UNITS or UNIT_PORT
+  output wire [7:0]  unit_o,                     // level : address of the request, 0 broadcast, with UNIT_SET or UNIT_PORT
 
 `include "modbus_engine_ports.vh"
 );
@@ -41,7 +41,7 @@ module modbus_rtu_core #(
 
   modbus_line #(
     .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .MAX_BIT_TIME(MAX_BIT_TIME),
-    .BIT_FRACTIONS(BIT_FRACTIONS), .UNITS(UNITS), .UNIT_PORT(UNIT_PORT), .GLITCH_FILTER(GLITCH_FILTER)
+    .BIT_FRACTIONS(BIT_FRACTIONS), .UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT), .GLITCH_FILTER(GLITCH_FILTER)
   ) u_line (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings_i),
     .frame_o(frame), .ram_do_o(ram_do), .rx_byte_o(rx_byte), .unit_o(unit_o),

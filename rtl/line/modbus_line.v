@@ -23,7 +23,7 @@ module modbus_line #(
   parameter integer T35_MIN_US = 1750,       // floor of t3.5 in microseconds, 0: none
   parameter integer MAX_BIT_TIME  = 65535,   // no MB_SET_BIT_TIME is above it
   parameter integer BIT_FRACTIONS = 0,       // 1: MB_SET_BIT_FRACTION counts
-  parameter [247:0] UNITS         = 248'd0,  // bit n: address n is ours too
+  parameter [247:0] UNIT_SET         = 248'd0,  // bit n: address n is ours too
   parameter integer UNIT_PORT     = 0,       // 1: so is one for which unit_ours_i is high
   parameter integer GLITCH_FILTER = 0        // clocks: a pulse on rxd_i that is not longer is not seen, 0..255
 ) (
@@ -43,7 +43,7 @@ module modbus_line #(
   output wire [7:0]  rx_byte_o,              // level : the received byte, with MB_RAM_STORE
   output wire        rx_active_o,            // level : a frame is being received
 
-  output wire [7:0]  unit_o,                 // level : address of the request, 0 broadcast, with UNITS or UNIT_PORT
+  output wire [7:0]  unit_o,                 // level : address of the request, 0 broadcast, with UNIT_SET or UNIT_PORT
   input  wire        unit_ours_i,            // level : unit_o is one of ours, with UNIT_PORT
 
   // Answers from the engine
@@ -134,7 +134,7 @@ module modbus_line #(
 
   wire also;
 
-  modbus_units #(.UNITS(UNITS), .UNIT_PORT(UNIT_PORT)) u_units (
+  modbus_units #(.UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT)) u_units (
     .clk_i(clk_i), .look_i(ram_do_o[`MB_RAM_LOOK]), .byte_i(frame_byte_i), .ours_i(unit_ours_i), .unit_o(unit_o),
     .also_o(also)
   );

@@ -168,7 +168,7 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
-      UNITS                 : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
       UNIT_PORT             : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
@@ -245,7 +245,7 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
-      UNITS                 : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
       UNIT_PORT             : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
@@ -303,7 +303,7 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
-      UNITS                 : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
       UNIT_PORT             : natural                         := 0;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";

@@ -48,7 +48,15 @@ MAPS = {
         ),
     },
     "whole": {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))},
-    "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
+    "overlaid": {
+        **NO_FLOORS,
+        "OVERLAY": 1,
+        "HOLDING_COUNT": 140,
+        "READ_ONLY_BASE": 100,
+        "READ_ONLY_COUNT": 3,
+        **config_parameters({"units": (2, 18, 240)}),
+        "UNIT_PORT": 1,
+    },
 }
 SHARE = {"mapped": 0.6, "whole": 0.2, "overlaid": 0.2}
 SETTINGS_EVERY, COMPARE_EVERY, WHOLE_COMPARE_EVERY = 40, 250, 5_000

@@ -37,7 +37,7 @@ BY_THE_MAP = {
 ONE_UNIT = "a device made from a map has one address; instantiate modbus_rtu_core for more"
 NOT_HERE = {
     "USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that",
-    "UNITS": ONE_UNIT,
+    "UNIT_SET": ONE_UNIT,
     "UNIT_PORT": ONE_UNIT,
 }
 
