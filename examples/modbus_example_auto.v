@@ -23,7 +23,7 @@ module modbus_example_auto #(
   parameter integer MIN_BAUD = 1200,             // the slowest rate that can be found
   parameter integer RUN_BITS = 8,                // 2^RUN_BITS words for the runs of a frame
   parameter integer SNAP     = 1,                // 1: a rate within 2 % of a standard one is taken for that
-  parameter integer RELEASE  = 1,                // bad frames in a row that end the lock, 1..255
+  parameter integer BAD_FRAMES  = 1,                // bad frames in a row that end the lock, 1..255
 `include "modbus_tables.vh"
   ,
 `include "modbus_table_widths.vh"
@@ -61,7 +61,7 @@ module modbus_example_auto #(
   wire rxd, idle;
 
   modbus_auto_line #(
-    .CLK_HZ(CLK_HZ), .MIN_BAUD(MIN_BAUD),   .RUN_BITS(RUN_BITS), .RELEASE(RELEASE), .GLITCH_FILTER(GLITCH_FILTER)
+    .CLK_HZ(CLK_HZ), .MIN_BAUD(MIN_BAUD),   .RUN_BITS(RUN_BITS), .BAD_FRAMES(BAD_FRAMES), .GLITCH_FILTER(GLITCH_FILTER)
   ) u_auto_line (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .rxd_o(rxd), .de_i(de_o), .idle_i(idle),
     .frame_stb_i(events_o[`MB_EVENT_FRAME]), .bit_time_o(bit_time_o), .format_o(format_o),

@@ -181,9 +181,9 @@ def test_long_frames_need_a_longer_memory():
 
 
 def test_several_bad_frames_end_the_lock():
-    """RELEASE = 3: two bad frames in a row do not, a good one between them starts the count again."""
+    """BAD_FRAMES = 3: two bad frames in a row do not, a good one between them starts the count again."""
     rng = random.Random(SEED)
-    device = Device(RELEASE=3)
+    device = Device(BAD_FRAMES=3)
     device.reset()
     master = Master(device, 115200, FORMATS[0], rng)
     assert master.ask(request(rng)) or master.ask(request(rng))

@@ -13,7 +13,7 @@
 // frame that showed the rate is answered.
 //
 // Locked, rxd_o is the line, and the core judges: frame_stb_i is its event of a good frame.  A frame that it does not
-// call good, or does not even notice, is a bad one; RELEASE of them in a row, or a break, end the lock.  The frame
+// call good, or does not even notice, is a bad one; BAD_FRAMES of them in a row, or a break, end the lock.  The frame
 // that ended it is decoded at once, so a new rate is found in the frame that shows it.
 //
 // 8E1 or 8O1 and 8N2 are the same on the line as long as all parity bits are 1.  Then locked_o stays low: each frame is
@@ -31,7 +31,7 @@ module modbus_auto_line #(
   // Nine standard rates of 32 bits, the fastest first, 0: none.  230400 115200 57600 38400 19200 9600 4800 2400 1200
   parameter [287:0] RATES = 288'h00038400_0001C200_0000E100_00009600_00004B00_00002580_000012C0_00000960_000004B0,
   parameter integer RUN_BITS      = 8,           // 2^RUN_BITS words for runs and table, 8..12
-  parameter integer RELEASE       = 1,           // bad frames in a row that end the lock, 1..255
+  parameter integer BAD_FRAMES       = 1,           // bad frames in a row that end the lock, 1..255
   parameter integer GLITCH_FILTER = 0            // clocks: a shorter pulse on rxd_i is not seen, 0..255
 ) (
   input  wire        clk_i,
@@ -60,7 +60,7 @@ module modbus_auto_line #(
     if (CLK_HZ < 1000 || MIN_BAUD < 1 || CLK_HZ / 65536 >= MIN_BAUD || CLK_HZ / 16 < MIN_BAUD) begin : gen_clock
       ERROR_modbus_auto_line_MIN_BAUD_from_CLK_HZ_by_65536_to_CLK_HZ_by_16 illegal_parameter ();
     end
-    if (RELEASE < 1 || RELEASE > 255) begin : gen_release
+    if (BAD_FRAMES < 1 || BAD_FRAMES > 255) begin : gen_release
       ERROR_modbus_auto_line_RELEASE_from_1_to_255 illegal_parameter ();
     end
     if (RUN_BITS < 8 || RUN_BITS > 12) begin : gen_runs
@@ -147,12 +147,12 @@ module modbus_auto_line #(
   wire enough, judge;
 
   generate
-    if (RELEASE == 1) begin : gen_at_once
+    if (BAD_FRAMES == 1) begin : gen_at_once
       assign enough = failed;
     end else begin : gen_bad
-      localparam W = $clog2(RELEASE);
+      localparam W = $clog2(BAD_FRAMES);
       reg [W-1:0] bad_q = {W{1'b0}};             // bad frames in a row
-      assign enough = failed & (bad_q == RELEASE[W-1:0] - 1'b1);
+      assign enough = failed & (bad_q == BAD_FRAMES[W-1:0] - 1'b1);
       always @(posedge clk_i) begin
         if (failed) bad_q <= bad_q + 1'b1;
         if (frame_stb_i || !locked_q) bad_q <= {W{1'b0}};

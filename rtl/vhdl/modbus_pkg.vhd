@@ -472,7 +472,7 @@ package modbus_pkg is
       MIN_BAUD      : natural                        := 1200;
       RATES         : std_logic_vector(287 downto 0) := x"000384000001C2000000E1000000960000004B0000002580000012C000000960000004B0";
       RUN_BITS      : natural                        := 8;
-      RELEASE       : natural                        := 1;
+      BAD_FRAMES    : natural                        := 1;
       GLITCH_FILTER : natural                        := 0
     );
     port (
