@@ -28,16 +28,17 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tools/bootstrap.sh apt demo
-$(foreach set,demo test lint formal fpga ecp5 peers boards fusesoc map,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo web try test lint formal fpga ecp5 peers boards fusesoc map,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tools/bootstrap.sh venv $*
 
 # --- targets --------------------------------------------------------------------------------------
-.PHONY: help demo serve map quick test nightly lint formal synth peers bitstream waves mistakes fusesoc clean
+.PHONY: help demo serve try map quick test nightly lint formal synth peers bitstream waves mistakes fusesoc clean
 
 ##@ Use
 -include sim/live.mk
 ## demo      bring the core up as a live serial device and play the specification's examples against it
-## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=tables or device.yaml
+## serve     the live device alone, until Ctrl-C: DEVICE= LINK= ADDRESS= BAUD= PARITY= STOP= INIT= MAP=tables or device.yaml WEB=8080 LOG=1
+## try       docs/try.html: the core as WebAssembly behind the panel, one file for a browser
 
 map: $(call stamp,map)  ## a device from one file, with all that belongs to it: FILE=device.yaml OUT=folder
 	@[ -n "$${FILE-}" ] && [ -n "$${OUT-}" ] || { echo "map: FILE=device.yaml OUT=folder" >&2; exit 2; }

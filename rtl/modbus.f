@@ -3,6 +3,7 @@
 rtl/line/modbus_sync.v
 rtl/line/modbus_glitch_filter.v
 rtl/line/modbus_bit_clock.v
+rtl/line/modbus_ascii.v
 rtl/line/modbus_uart.v
 rtl/line/modbus_line_timer.v
 rtl/line/modbus_crc16.v
@@ -23,6 +24,7 @@ rtl/engine/modbus_identity.v
 rtl/engine/modbus_engine.v
 rtl/modbus_rtu_core.v
 rtl/bank/modbus_bank_guard.v
+rtl/bank/modbus_bank_lanes.v
 rtl/bank/modbus_bank_ram.v
 rtl/bank/modbus_bank_io.v
 rtl/bank/modbus_host_map.v

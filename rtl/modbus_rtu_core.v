@@ -41,7 +41,8 @@ module modbus_rtu_core #(
 
   modbus_line #(
     .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .MAX_BIT_TIME(MAX_BIT_TIME),
-    .BIT_FRACTIONS(BIT_FRACTIONS), .UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT), .GLITCH_FILTER(GLITCH_FILTER)
+    .BIT_FRACTIONS(BIT_FRACTIONS), .GLITCH_FILTER(GLITCH_FILTER), .UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT),
+    .ASCII_MODE(ASCII_MODE), .ASCII_TIMEOUT_MS(ASCII_TIMEOUT_MS)
   ) u_line (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings_i),
     .frame_o(frame), .ram_do_o(ram_do), .rx_byte_o(rx_byte), .unit_o(unit_o),

@@ -80,7 +80,8 @@ module modbus_rtu_slave #(
   assign write_file_o  = grant_file;
 
   modbus_host_map #(
-    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
+    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .ASCII_MODE(ASCII_MODE),
+    .INITIAL_SETTINGS(SETTINGS),
     .INITIAL_STATE(`MB_HOST_AT_REST)
   ) u_host_map (
     .clk_i(clk_i), .rst_i(rst_i), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i), .host_we_i(host_we_i),
@@ -93,7 +94,7 @@ module modbus_rtu_slave #(
   );
 
   modbus_bank_ram #(
-    .CHECK_WRITES(CHECK_WRITES),
+    .BITS_PER_BEAT(BITS_PER_BEAT), .CHECK_WRITES(CHECK_WRITES),
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock), .host_cyc_i(bank_cyc), .host_stb_i(bank_stb),

@@ -63,6 +63,7 @@ module modbus_rtu_slave_io #(
 
 
   modbus_bank_io #(
+    .BITS_PER_BEAT(BITS_PER_BEAT),
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0),

@@ -21,7 +21,7 @@ from master import TRACE, Failure, Master, NoDevice, device  # noqa: E402
 from protocol import vectors  # noqa: E402
 from protocol import words_special as special  # noqa: E402
 from protocol.defs import DIAGNOSTIC_FUNCTIONS, EX, FC, OVERRUN_FLAG, Space  # noqa: E402
-from protocol.frames import adu, bad_crc, bare, read, text, write_coil  # noqa: E402
+from protocol.frames import adu, bad_crc, bare, read, sealed, text, write_coil  # noqa: E402
 from protocol.memory import Config  # noqa: E402
 from protocol.model import Slave  # noqa: E402
 from protocol.pdm import Event, EventRecords  # noqa: E402
@@ -64,6 +64,11 @@ def say(line=""):
 def is_meter(vector):
     """True for examples of source 003, played on its meter."""
     return vector["id"].startswith(METER_PREFIX) and vector["id"] not in NOT_METER
+
+
+def in_ascii(vector):
+    """True for examples of ASCII mode."""
+    return vector["mode"] == "ascii"
 
 
 def builds(examples):
@@ -164,6 +169,11 @@ def reference(vector, built, meter):
 # ---------------------------------------------------------------------- one example
 
 
+def characters(line):
+    """Characters of ASCII mode for people, `None` as silence."""
+    return "silence" if line is None else line.decode("latin-1").replace("\r", " CR").replace("\n", " LF")
+
+
 class Play:
     """One example on a running device: ask, print, compare. `good` tells whether all was as expected."""
 
@@ -188,18 +198,23 @@ class Play:
                 master.must(frame)
             shown = text(frame) if len(frame) < 20 else f"{text(frame[:4])} ... ({len(frame)} bytes)"
             self.row("first", f"{times} x {shown}", f"{request(frame)}: {answer(frame, master.received)}")
-        printed, expected = vectors.frame(vector["request"]), vectors.frame(vector["expected_response"])
+        binary = printed, expected = vectors.frame(vector["request"]), vectors.frame(vector["expected_response"])
+        shown = text
+        if in_ascii(vector):  # the characters, and the words about what they carry
+            printed, expected = (vector[f"{name}_chars"].encode() for name in ("request", "expected_response"))
+            shown, binary = characters, [sealed(data[:-1]) for data in binary]  # the words are about RTU frames
         repeats_log = "event_log" in vectors.state(vector["preconditions"])
         got = master.ask(printed)
         sent, took = master.sent or b"", master.seconds
-        self.row("request", text(sent), request(sent), sent != printed and f"printed is {text(printed)}")
+        words = request(binary[0] if in_ascii(vector) else sent)
+        self.row("request", shown(sent), words, sent != printed and f"printed is {shown(printed)}")
         if repeats_log:
             same = got is not None and got[3:9] == expected[3:9] and got == master.expected
             self.row("answer", text(got), got and answer(printed, got), not same and f"printed is {text(expected)}")
             self.row("but", "status and counts are the printed ones, the log is the real one", OTHER_LOG)
         else:
-            wrong = got != expected and f"should be {text(expected)}"
-            self.row("answer", text(got), got and answer(printed, got), wrong)
+            wrong = got != expected and f"should be {shown(expected)}"
+            self.row("answer", shown(got), got and answer(*binary if in_ascii(vector) else (printed, got)), wrong)
         if not before and master.model.config.has_diagnostics:
             for difference in vectors.differences(master.model, vector):
                 self.row("after", "the reference slave differs", None, difference)
@@ -231,7 +246,7 @@ class Play:
                 master.must(master.frame(bytes.fromhex("0800010000")))
                 self.row("then", "a restart ends that, without an answer")
             else:
-                self.row("then", f"{table.replace('_', ' ')} {wanted[0]:02X} is kept; RTU has no way to show it")
+                self.row("then", f"{table.replace('_', ' ')} {wanted[0]:02X} is kept; RTU mode has no way to show it")
 
     def counted(self):
         """Read counters and log; the reference slave has counted along."""
@@ -249,10 +264,11 @@ def play(steps, heads, built, traced):
     first, meter = steps[0], is_meter(steps[0])
     baud = FAST_BAUD if traffic(first) and not meter else BAUD
     variables = {"DEVICE": "pdm"} if meter else {"PARAMETERS": parameters(built)}
+    variables |= {"MODE": "ascii"} if in_ascii(first) else {}
     passed = 0
     with (
         device(first["slave_address"], contents(first, built), baud, traced, **variables),
-        Master(reference(first, built, meter), baud) as master,
+        Master(reference(first, built, meter), baud, in_ascii(first)) as master,
     ):
         for head, vector in zip(heads, steps):
             say(f"{head}{vector['id']}: {vector['description']}")
@@ -270,11 +286,11 @@ def left_out():
 def main():
     """Entry point; returns the exit status."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    played = {v["id"] for v in vectors.playable() + vectors.pdm()}
+    played = {v["id"] for v in vectors.playable() + vectors.pdm() + vectors.in_ascii()}
     examples = [v for v in vectors.document()["vectors"] if v["id"] in played]
     built = builds(examples)
     say(f"{len(examples)} printed examples, played by pymodbus against the compiled RTL: {BAUD} baud, 8E1,")
-    say(f"{FAST_BAUD} baud where many frames come before")
+    say(f"{FAST_BAUD} baud where many frames come before, 7E1 in ASCII mode")
     passed, begin, number = 0, time.monotonic(), 0
     for sequence in vectors.sequences():
         steps = [v for v in sequence if v["id"] in played]

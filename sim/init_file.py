@@ -89,6 +89,7 @@ class Initial:
     items: list = field(default_factory=list)
     inputs: dict = field(default_factory=dict)
     parameters: dict = field(default_factory=dict)
+    warnings: list = field(default_factory=list)
 
 
 def extent(addresses):
@@ -192,6 +193,16 @@ def private(objects):
     return b"".join(bytes([i, len(text)]) + text.encode() for i, text in objects.items() if i in PRIVATE)
 
 
+def unseen(objects, conformity):
+    """A line about objects that a master cannot read at this conformity, or none."""
+    level = conformity & 3
+    hidden = [i for i in objects if i not in MANDATORY and (level < 2 or (i in PRIVATE and level < 3))]
+    if not hidden:
+        return []
+    wanted = conformity | 3 if hidden[-1] in PRIVATE else (conformity & ~3) | 2
+    return [f"device_id: objects {', '.join(map(str, hidden))} are not shown; they need \"conformity\": {wanted}"]
+
+
 def check_size(identity, objects, conformity):
     """The memory of texts and their directory has its limits, see modbus_identity."""
     if len(private(objects)) > PRIVATE_BYTES:
@@ -271,4 +282,6 @@ def load(path, layout):
             out.inputs[key] = entry
     if not layout.meter:
         out.parameters = identity(document)
+        conformity = document.get("conformity", DEFAULT_CONFORMITY)
+        out.warnings = unseen(device_objects(document.get("device_id", {})), conformity)
     return out

@@ -9,12 +9,15 @@
 
 #include <cstdint>
 
-// Format codes of the core: 0 = 8E1, 1 = 8O1, 2 = 8N2, 3 = 8N1.
+// Format codes of the core: 0 = 8E1, 1 = 8O1, 2 = 8N2, 3 = 8N1; SEVEN_BITS more for characters of 7 bits.
+constexpr unsigned FORMAT_BITS = 3, SEVEN_BITS = 4;
 struct CharacterFormat {
   bool parity, odd;
-  int stops;
-  explicit CharacterFormat(unsigned code) : parity(code < 2), odd(code == 1), stops(code == 2 ? 2 : 1) {}
-  int length() const { return 1 + 8 + parity + stops; }
+  int stops, data;  // bits
+  explicit CharacterFormat(unsigned code)
+      : parity((code & FORMAT_BITS) < 2), odd((code & FORMAT_BITS) == 1), stops((code & FORMAT_BITS) == 2 ? 2 : 1),
+        data(code & SEVEN_BITS ? 7 : 8) {}
+  int length() const { return 1 + data + parity + stops; }
   bool parity_bit(unsigned data) const { return __builtin_parity(data) ^ odd; }
 };
 
@@ -48,9 +51,10 @@ class LineDriver {
 
   // The next character, after `gap` clocks of silence.
   void start(uint8_t data, unsigned gap = 0, SentFault fault = SentFault::kNone) {
-    bits_ = ~0u << 9 | unsigned(data) << 1;  // bit 0 is the start bit, ones are stop bits
+    const int behind = 1 + format_.data;
+    bits_ = ~0u << behind | unsigned(data) << 1;  // bit 0 is the start bit, ones are stop bits
     int length = format_.length();
-    if (format_.parity && format_.parity_bit(data) == (fault == SentFault::kParity)) bits_ &= ~(1u << 9);
+    if (format_.parity && format_.parity_bit(data) == (fault == SentFault::kParity)) bits_ &= ~(1u << behind);
     if (fault == SentFault::kFraming) bits_ &= ~(1u << (length++ - format_.stops));  // a 0 before the stop bits
     left_ = length;
     end_ += gap;
@@ -154,10 +158,11 @@ class LineMonitor {
     bits_ |= unsigned(level) << bit_;
     if (++bit_ < format_.length()) return -1;
     bit_ = -1;
-    const unsigned data = bits_ >> 1 & 0xFF;
+    const int behind = 1 + format_.data;
+    const unsigned data = bits_ >> 1 & ((1u << format_.data) - 1);
     const unsigned stops = (1u << format_.stops) - 1;
-    if (format_.parity && bool(bits_ >> 9 & 1) != format_.parity_bit(data)) fail(LineFault::kParity);
-    if ((bits_ >> (9 + format_.parity)) != stops) fail(LineFault::kStop);
+    if (format_.parity && bool(bits_ >> behind & 1) != format_.parity_bit(data)) fail(LineFault::kParity);
+    if ((bits_ >> (behind + format_.parity)) != stops) fail(LineFault::kStop);
     return int(data);
   }
 

@@ -21,6 +21,12 @@ ENDINGS = (".yaml", ".yml", ".csv")
 CORE_FOLDER, INCLUDE = "$(MODBUS_RTU)", "+incdir+"  # in NAME.f
 PARITIES = {"E": "even", "O": "odd", "N": "none"}
 EXIT_BAD_MAP = 2
+TABLES = {  # as INIT and the control server name them
+    "coils": "coils",
+    "discrete_inputs": "discretes",
+    "input_registers": "inputs",
+    "holding_registers": "holdings",
+}
 
 
 @dataclass
@@ -52,6 +58,14 @@ class MapDevice:
     def core(self, name: str) -> int:
         """What the map gives a parameter of the core, or 0."""
         return self.facts["core"].get(name, 0)
+
+    def tables(self) -> dict[str, list[int]]:
+        """Table: first address and number of addresses, as far as points reach."""
+        found = {}
+        for table, points in self.facts["tables"].items():
+            places = [point["at"] for point in points] + [point["at"] + point["size"] for point in points]
+            found[TABLES[table]] = [min(places), max(places) - min(places)] if places else [0, 0]
+        return found
 
 
 def is_map(text: str) -> bool:

@@ -27,7 +27,8 @@ from protocol.defs import (
     Space,
     Sub,
 )
-from protocol.frames import adu, sealed, text, unpack_bits, unpack_words
+from protocol.frames import adu, ascii_adu, sealed, text, unpack_bits, unpack_words
+from pymodbus import FramerType
 from pymodbus.client import ModbusSerialClient
 from pymodbus.exceptions import ModbusException
 from pymodbus.pdu.file_message import FileRecord, ReadFifoQueueResponse
@@ -79,14 +80,24 @@ def device(address, contents, baud, traced=False, **variables):
 
 
 class Master:
-    """pymodbus, with the bytes of the last transaction and what the reference slave says to it kept."""
+    """pymodbus, with the bytes of the last transaction and what the reference slave says to it kept.
 
-    def __init__(self, model, baud):
+    In ASCII mode frames are the characters on the line.
+    """
+
+    def __init__(self, model, baud, ascii_mode=False):
         self.model, self.to, self.baud = model, {"device_id": model.config.address}, baud
+        self.ascii = ascii_mode
         self.sent, self.received, self.expected, self.seconds = None, None, None, 0.0
         # Parity none: the kernel has no parity on a pseudo-terminal, and pyserial insists if asked for it.
         self.client = ModbusSerialClient(
-            str(ROOT / LINK), baudrate=baud, parity="N", timeout=TIMEOUT_S, retries=0, trace_packet=self._seen
+            str(ROOT / LINK),
+            framer=FramerType.ASCII if ascii_mode else FramerType.RTU,
+            baudrate=baud,
+            parity="N",
+            timeout=TIMEOUT_S,
+            retries=0,
+            trace_packet=self._seen,
         )
 
     def __enter__(self):
@@ -106,14 +117,15 @@ class Master:
 
     def _note(self, frame):
         self.sent, self.received = bytes(frame), None
-        self.expected = self.model.request(self.sent)
+        self.expected = (self.model.hear if self.ascii else self.model.request)(self.sent)
 
     # ------------------------------------------------------------------ one frame
 
     def ask(self, frame):
         """Send `frame`, through pymodbus' own request if it has one for it; return what came back."""
         begin = time.monotonic()
-        call = self._call(frame[1:-2]) if sealed(frame[:-2]) == frame and frame[0] == self.to["device_id"] else None
+        body = self._body(frame)
+        call = self._call(body[1:]) if body and body[0] == self.to["device_id"] else None
         if self.model.listen_only:  # pymodbus would wait its whole time for the answer
             call = None
         if call:
@@ -123,6 +135,13 @@ class Master:
             self._raw(None if call else frame)
         self.seconds = time.monotonic() - begin
         return self.received
+
+    def _body(self, frame):
+        """Address and PDU of a frame with a right check field, else None."""
+        if self.ascii:
+            body = bytes.fromhex(frame[1:-4].decode())
+            return body if ascii_adu(body[0], body[1:]) == frame else None
+        return frame[:-2] if sealed(frame[:-2]) == frame else None
 
     def must(self, frame):
         """Send `frame`, which must be answered as the reference slave says."""
@@ -286,7 +305,7 @@ class Master:
 
     def frame(self, pdu, to=None):
         """A frame to this slave, or to another."""
-        return adu(self.to["device_id"] if to is None else to, pdu)
+        return (ascii_adu if self.ascii else adu)(self.to["device_id"] if to is None else to, pdu)
 
 
 def file_records(pdu):

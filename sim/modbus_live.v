@@ -5,8 +5,7 @@
 //
 // With bits 41H, 42H, 64H in USER_CODES modbus_example_user is on the user port.
 //
-// Every input passes a register. That changes nothing on the line but one clock of delay, and lets the
-// compiled model evaluate the logic behind the inputs once a clock instead of twice.
+// Behind the host port are the tables, and as space 5 counters and event log: see modbus_host_map.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -15,68 +14,11 @@ module modbus_live #(
 `include "modbus_tables.vh"
   ,
 `include "modbus_config.vh"
-) (
-  input  wire        clk_i,
-  input  wire        rst_i,
+)
+`include "modbus_live_ports.vh"
 
-  // Line
-  input  wire        rxd_i,
-  output wire        txd_o,
-  output wire        de_o,
-
-  // Configuration and the host's state
-  input  wire [7:0]  address_i,
-  input  wire [15:0] bit_time_i,
-  input  wire [1:0]  format_i,
-  input  wire        busy_i,
-  input  wire [3:0]  failure_i,
-  input  wire [7:0]  exception_status_i,
-  input  wire        run_indicator_i,
-  input  wire [15:0] diagnostic_i,
-
-  // Initial contents, written by the bridge
-  input  wire        host_stb_i,
-  input  wire [18:0] host_adr_i,
-  input  wire [15:0] host_dat_i,
-  output wire        host_ack_o,
-  output wire        host_err_o
-);
-
-  // Time stands still once the line has been idle for 20 ms: a job must be done before.
+  // Some user functions work so long:
   localparam integer WORK_CLOCKS = CLK_HZ / 100;
-
-  reg         rst_q = 1'b1;
-  reg         rxd_q = 1'b1;
-  reg  [7:0]  address_q  = 8'd0;
-  reg  [15:0] bit_time_q = 16'd8;
-  reg  [1:0]  format_q   = 2'd0;
-  reg         busy_q     = 1'b0;
-  reg  [3:0]  failure_q  = 4'd0;
-  reg  [7:0]  exception_status_q = 8'd0;
-  reg         run_indicator_q    = 1'b0;
-  // Bit 0 is the core's own:
-  // verilator lint_off UNUSED
-  reg  [15:0] diagnostic_q       = 16'd0;
-  // verilator lint_on UNUSED
-  reg         host_stb_q = 1'b0;
-  reg  [18:0] host_adr_q = 19'd0;
-  reg  [15:0] host_dat_q = 16'd0;
-
-  always @(posedge clk_i) begin
-    rst_q      <= rst_i;
-    rxd_q      <= rxd_i;
-    address_q  <= address_i;
-    bit_time_q <= bit_time_i;
-    format_q   <= format_i;
-    busy_q     <= busy_i;
-    failure_q  <= failure_i;
-    exception_status_q <= exception_status_i;
-    run_indicator_q    <= run_indicator_i;
-    diagnostic_q       <= diagnostic_i;
-    host_stb_q <= host_stb_i;
-    host_adr_q <= host_adr_i;
-    host_dat_q <= host_dat_i;
-  end
 
   wire                            user_req;
   wire [7:0]                      user_count, user_adr, user_request;
@@ -107,6 +49,8 @@ module modbus_live #(
   always @* begin
     settings = `MB_LINE_SETTINGS(address_q, bit_time_q, format_q);
     settings[`MB_SET_DE_LEAD] = 4'd0;
+    settings[`MB_SET_ASCII]   = ascii_q;
+    settings[`MB_SET_EIGHT_BITS] = eight_bits_q;
   end
 
   assign host_state[`MB_HOST_BUSY]             = busy_q;
@@ -120,28 +64,50 @@ module modbus_live #(
 
 `include "modbus_table_codes.vh"
 
-  // The device has no host: its outputs are open.
+  wire        status_stb, status_ack;
+  wire [6:0]  status_adr;
+  wire [15:0] status_read, bank_write, bank_read;
+  wire        bank_cyc, bank_stb, bank_we, bank_ack, bank_err;
+  wire [18:0] bank_adr;
+
+  // Settings and state come from the bridge as they are.
   // verilator lint_off PINCONNECTEMPTY
+  modbus_host_map #(.HOST_SETTINGS(0), .BIT_FRACTIONS(BIT_FRACTIONS), .ASCII_MODE(ASCII_MODE)) u_host_map (
+    .clk_i(clk_i), .rst_i(rst_q), .host_cyc_i(host_cyc_q), .host_stb_i(host_stb_q), .host_we_i(host_we_q),
+    .host_adr_i(host_adr_q), .host_dat_i(host_dat_q), .host_dat_o(host_dat_o), .host_ack_o(host_ack_o),
+    .host_err_o(host_err_o), .bank_cyc_o(bank_cyc), .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr),
+    .bank_dat_o(bank_write), .bank_dat_i(bank_read), .bank_ack_i(bank_ack), .bank_err_i(bank_err),
+    .status_stb_o(status_stb), .status_adr_o(status_adr), .status_dat_i(status_read), .status_ack_i(status_ack),
+    .settings_i(settings), .host_state_i(host_state), .write_lock_i(write_lock_q), .idle_i(idle_o), .settings_o(),
+    .host_state_o(), .write_lock_o()
+  );
+
   modbus_rtu_core #(
     .FUNCTION_CODES(TABLE_CODES),
 `include "modbus_config_inst.vh"
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_q), .rxd_i(rxd_q), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
     .host_state_i(host_state), .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr),
-    .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
-    .status_ack_o(), .write_stb_o(), .events_o(), .alive_o(), .rx_active_o(), .listen_only_o(), .unit_o(), .idle_o(),
+    .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(status_stb), .status_adr_i(status_adr),
+    .status_dat_o(status_read), .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(events_o), .alive_o(),
+    .rx_active_o(rx_active_o), .listen_only_o(listen_only_o), .unit_o(), .idle_o(idle_o),
 `include "modbus_bank_core_inst.vh"
   );
+  // verilator lint_on PINCONNECTEMPTY
+
+  assign write_space_o = grant_space;
+  assign write_first_o = grant_first;
+  assign write_last_o  = grant_last;
+  assign write_file_o  = grant_file;
 
   modbus_bank_ram #(
 `include "modbus_tables_inst.vh"
   ) u_bank (
-    .clk_i(clk_i), .rst_i(rst_q), .write_lock_i(1'b0), .host_cyc_i(host_stb_q), .host_stb_i(host_stb_q),
-    .host_we_i(host_stb_q), .host_adr_i(host_adr_q), .host_dat_i(host_dat_q), .host_dat_o(), .host_ack_o(host_ack_o),
-    .host_err_o(host_err_o),
+    .clk_i(clk_i), .rst_i(rst_q), .write_lock_i(write_lock_q), .host_cyc_i(bank_cyc), .host_stb_i(bank_stb),
+    .host_we_i(bank_we), .host_adr_i(bank_adr), .host_dat_i(bank_write), .host_dat_o(bank_read), .host_ack_o(bank_ack),
+    .host_err_o(bank_err),
 `include "modbus_bank_inst.vh"
   );
-  // verilator lint_on PINCONNECTEMPTY
 
 endmodule
 

@@ -9,9 +9,13 @@ Exit status: 0 after SIGINT or SIGTERM, 2 for a bad variable, 1 if the model doe
 Needs Python's standard library only, so that `make serve` needs no virtual environment.
 """
 
+import difflib
+import json
 import os
 import re
+import shutil
 import signal
+import stat
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,18 +23,25 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
+import faults  # noqa: E402
 import filelist  # noqa: E402
 import map_device  # noqa: E402
 import models  # noqa: E402
+import ways_in  # noqa: E402
 from init_file import FILES, TABLES, WORDS, BadVariable, Initial, Layout, load  # noqa: E402
+from server import variables  # noqa: E402
 
-CLOCK_HZ = 1_843_200  # divides 9600 to 115200 baud without rest, and 2 cores simulate it in passing
-BIT_TIMES = range(8, 65536)  # clock cycles per bit that the core takes
-MOST_RATE_ERROR = 50  # one part in so many of the rate; the parameters of a map refuse more
+# The model runs at a clock of its own, as slow as the rate allows: each clock costs time of the processor.
+BIT_CLOCKS, FAST_BIT_CLOCKS = 16, 8  # clocks per bit; fewer for rates above FAST
+FAST = 115_200
+BAUDS = range(29, 230_401)
+# Up to this rate t1.5 and t3.5 are counted in bits, so one model does for all: the clock it is told does not matter.
+SLOW = 19_200
 ADDRESSES = range(1, 248)
 ITEMS = len(WORDS)  # a table, or all files together, can have
 
 RECORDS = 10_000  # a file can have
+SEVEN_BITS, ASCII = 4, 8  # of the format code that the bridge takes, see line.h and device.h
 FORMATS = {("even", 1): 0, ("odd", 1): 1, ("none", 2): 2, ("none", 1): 3}
 
 # DEVICE: top module and its parameters
@@ -44,16 +55,40 @@ METER = {"coils": range(0), "discretes": range(4), "inputs": range(0), "holdings
 DEFAULTS = {
     "DEVICE": "standard",
     "LINK": "build/modbus",
+    "PORT": "",
     "ADDRESS": "17",
+    "SLAVES": "",
     "BAUD": "19200",
     "PARITY": "even",
     "STOP": "",
+    "MODE": "rtu",
+    "DATA_BITS": "",
     "INIT": "",
     "MAP": "",
     "TRACE": "",
+    "HOLD": "200",
+    "FAULT": "",
+    "WEB": "",
+    "TCP": "",
+    "RTU_TCP": "",
     "PARAMETERS": "",
+    "CONTROL_FD": "",
+    "GIVEN": "",
     "DIE_WITH_PARENT": "",
 }
+NOT_FOR_PEOPLE = ("CONTROL_FD", "GIVEN", "DIE_WITH_PARENT")
+# What only the control server knows; it starts if one of them is given, or WEB.
+SERVER_VARIABLES = variables.NAMES
+# What people write instead
+MISTAKEN = {
+    "ADDR": "ADDRESS", "UNIT": "ADDRESS", "UNIT_ID": "ADDRESS", "ID": "ADDRESS", "SLAVE_ID": "ADDRESS",
+    "SLAVE": "SLAVES", "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "RATE": "BAUD", "SPEED": "BAUD", "STOPBITS": "STOP",
+    "STOP_BITS": "STOP", "INITIAL": "INIT", "PTY": "LINK", "TTY": "PORT", "SERIAL": "PORT", "FAULTS": "FAULT",
+    "HTTP": "WEB", "MODBUS_TCP": "TCP", "BITS": "DATA_BITS", "DATABITS": "DATA_BITS",
+}  # fmt: skip
+MOST_SLAVES = 32  # on one line without a repeater, MODBUS over Serial Line V1.02 3.4.1
+HOLD_MS = range(10_001)
+LEAST_SPACE = 64 << 20  # bytes that a build needs
 
 
 def number(name, text, allowed):
@@ -75,11 +110,34 @@ def character_format(parity, stop):
     return FORMATS[parity, stops]
 
 
-def bit_time(text):
-    """Clock cycles per bit for BAUD."""
-    slowest = -(-CLOCK_HZ // BIT_TIMES[-1])
-    baud = number("BAUD", text, range(slowest, CLOCK_HZ // BIT_TIMES[0] + 1))
-    return baud, (CLOCK_HZ + baud // 2) // baud
+def mode_code(mode, bits):
+    """Bits of the format code for MODE and DATA_BITS."""
+    if mode not in ("rtu", "ascii"):
+        raise BadVariable(f"MODE={mode}: must be rtu or ascii")
+    if bits not in ("", "7", "8"):
+        raise BadVariable(f"DATA_BITS={bits}: must be 7 or 8")
+    if mode == "rtu":
+        if bits == "7":
+            raise BadVariable("DATA_BITS=7: RTU mode has characters of 8 bits")
+        return 0
+    return ASCII | (0 if bits == "8" else SEVEN_BITS)
+
+
+def slave_addresses(text):
+    """SLAVES, "17,18,20-24", as a list."""
+    found = []
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*([0-9]{1,3})(?:-([0-9]{1,3}))?\s*", part)
+        run = range(int(match[1]), int(match[2] or match[1]) + 1) if match else range(0)
+        if not run or run[0] not in ADDRESSES or run[-1] not in ADDRESSES:
+            raise BadVariable(f"SLAVES={text}: must be addresses from 1 to 247, for example 17,18,20-24")
+        found += run
+    for address in found:
+        if found.count(address) > 1:
+            raise BadVariable(f"SLAVES={text}: {address} stands twice")
+    if len(found) > MOST_SLAVES:
+        raise BadVariable(f"SLAVES={text}: at most {MOST_SLAVES} slaves on a line")
+    return found
 
 
 def layout(device, text):
@@ -100,6 +158,8 @@ def layout(device, text):
             files = file_layout(word)
         else:
             found[name] = table_layout(name, word)
+    if not any(found.values()):
+        raise BadVariable("MAP: a device needs a table that has items")
     return Layout(found, files)
 
 
@@ -165,13 +225,41 @@ def check_link(link):
     return True
 
 
+def check_port(port, named):
+    """Refuse a PORT that is no serial port."""
+    if "LINK" in named:
+        raise BadVariable("PORT: a real port has no LINK, leave LINK out")
+    try:
+        mode = os.stat(port).st_mode
+    except OSError as error:
+        raise BadVariable(f"PORT={port}: {error.strerror}") from None
+    if not stat.S_ISCHR(mode):
+        raise BadVariable(f"PORT={port}: is no serial port")
+    if not os.access(port, os.R_OK | os.W_OK):
+        raise BadVariable(f"PORT={port}: no right to read and write it")
+
+
 def compiled(top, values, files, folders):
     """Path of the bridge for a top module and its parameters, compiled now unless that was done before."""
-    model = models.Model(top, ROOT / "sim" / "bridge.cpp", files, folders, values, {"CLOCK_HZ": CLOCK_HZ}, shared=False)
+    folders = [*folders, ROOT / "sim"]  # the ports that all tops have
+    model = models.Model(top, ROOT / "sim" / "bridge.cpp", files, folders, values, shared=False)
     try:
         return models.compiled(model, lambda: say("compiling the device (10 to 30 s, once for each map and identity)"))
     except models.BuildError as error:
-        raise SystemExit(f"serve: the device does not compile: {error}") from None
+        cause = no_space() or f"the device does not compile: {error}"
+    except OSError as error:
+        cause = no_space() or f"the device cannot be compiled: {error.filename or models.CACHE}: {error.strerror}"
+    raise SystemExit(f"serve: {cause}") from None
+
+
+def no_space():
+    """A line about a full disk, or an empty one."""
+    for place in (models.CACHE, Path(os.environ.get("TMPDIR", "/tmp"))):
+        while not place.exists():
+            place = place.parent
+        if shutil.disk_usage(place).free < LEAST_SPACE:
+            return f"the device cannot be compiled: no space left in {place}"
+    return ""
 
 
 def say(text):
@@ -179,10 +267,10 @@ def say(text):
     print(f"serve: {text}", file=sys.stderr, flush=True)
 
 
-def init_descriptor(items):
-    """The initial contents as a file without a name, open for the bridge."""
-    fd = os.memfd_create("init", 0)
-    os.write(fd, "".join(f"{s} {a} {v}\n" for s, a, v in items).encode())
+def descriptor(name, text):
+    """A file without a name that holds `text`, open for the programs that are started."""
+    fd = os.memfd_create(name, 0)
+    os.write(fd, text.encode())
     os.lseek(fd, 0, os.SEEK_SET)
     return fd
 
@@ -192,39 +280,92 @@ def named_variables(given):
     named = {}
     for word in given:
         name, _, value = word.strip().partition("=")
-        if name not in DEFAULTS:
+        if name not in DEFAULTS and name not in SERVER_VARIABLES:
             raise BadVariable(f"{name}: unknown variable")
         if value:
             named[name] = value
+    for name in named.pop("GIVEN", "").split():  # on the command line of make
+        check_name(name)
     return named
+
+
+def check_name(name):
+    """Refuse the name of a variable that is nearly one of ours."""
+    known = [n for n in (*DEFAULTS, *SERVER_VARIABLES) if n not in NOT_FOR_PEOPLE]
+    if name in known:
+        return
+    near = MISTAKEN.get(name.upper()) or next(iter(difflib.get_close_matches(name.upper(), known, 1, 0.75)), None)
+    if near:
+        raise BadVariable(f"{name}: unknown variable; {near} is meant?")
 
 
 @dataclass
 class Settings:
     """The line, as numbers of the core."""
 
-    address: int
+    slaves: list
     baud: int
-    cycles: int  # per bit
     format: int
+    parity: str
+    stop: int
+    ascii: bool = False
+    data_bits: int = 8
+
+    @property
+    def bit_clocks(self):
+        """Clocks per bit."""
+        return BIT_CLOCKS if self.baud <= FAST else FAST_BIT_CLOCKS
+
+    def clock_hz(self, exact=True):
+        """Of the model; not exact: as models of other rates may have it too."""
+        return self.bit_clocks * (self.baud if exact else max(self.baud, SLOW))
+
+    @property
+    def code(self):
+        """Format code that the bridge takes."""
+        return self.format | ASCII * self.ascii | SEVEN_BITS * (self.data_bits == 7)
 
     def options(self):
         """Of the bridge."""
         return [
-            *("--baud", str(self.baud), "--bit-time", str(self.cycles), "--format", str(self.format)),
-            *("--address", str(self.address)),
+            *("--baud", str(self.baud), "--bit-time", str(self.bit_clocks), "--format", str(self.code)),
+            *("--slaves", ",".join(map(str, self.slaves))),
         ]
 
 
 def settings(values):
-    """ADDRESS, BAUD, PARITY and STOP."""
-    address = number("ADDRESS", values["ADDRESS"], ADDRESSES)
-    baud, cycles = bit_time(values["BAUD"])
-    return Settings(address, baud, cycles, character_format(values["PARITY"], values["STOP"]))
+    """ADDRESS or SLAVES, BAUD, PARITY, STOP, MODE and DATA_BITS."""
+    slaves = [number("ADDRESS", values["ADDRESS"], ADDRESSES)]
+    if values["SLAVES"]:
+        slaves = slave_addresses(values["SLAVES"])
+    code = character_format(values["PARITY"], values["STOP"])
+    stop = next(stop for (_, stop), other in FORMATS.items() if other == code)
+    mode = mode_code(values["MODE"], values["DATA_BITS"])
+    baud = number("BAUD", values["BAUD"], BAUDS)
+    return Settings(slaves, baud, code, values["PARITY"], stop, bool(mode & ASCII), 7 if mode & SEVEN_BITS else 8)
+
+
+@dataclass
+class Started:
+    """What it takes to start: the bridge, its options, initial contents, what the control server is told."""
+
+    bridge: Path
+    options: list
+    items: list
+    facts: dict
+
+
+def line_facts(line, tables, files, map_facts=None):
+    """What the control server is told of the device."""
+    return {
+        "address": line.slaves[0], "slaves": line.slaves, "baud": line.baud, "parity": line.parity, "stop": line.stop,
+        "mode": "ascii" if line.ascii else "rtu", "data_bits": line.data_bits,
+        "tables": tables, "files": files, "map": map_facts,
+    }  # fmt: skip
 
 
 def of_tables(values):
-    """(path of the bridge, its options, initial contents) of a device with MAP's tables."""
+    """A device with MAP's tables, as Started."""
     line = settings(values)
     device = values["DEVICE"]
     if device not in DEVICES:
@@ -237,16 +378,22 @@ def of_tables(values):
         except BadVariable as error:
             raise BadVariable(f"INIT={values['INIT']}: {error}") from None
     top, model = DEVICES[device]
-    model = {"CLK_HZ": CLOCK_HZ} | model | table_parameters(place) | initial.parameters
+    if line.ascii and device == "pdm":
+        raise BadVariable("MODE=ascii: the PDM meter has RTU mode alone, leave DEVICE=pdm out")
+    timed = device == "user" or bool(values["PARAMETERS"]) or line.ascii  # something in it counts clocks
+    model = {"CLK_HZ": line.clock_hz(exact=timed)} | model | table_parameters(place) | initial.parameters
+    model |= {"ASCII_MODE": 1} if line.ascii else {}
     model |= parameters(values["PARAMETERS"])
-    check_link(values["LINK"])
     files, folders = filelist.read(ROOT, *filelist.ALL)
     files = [*(ROOT / name for name in files), ROOT / "sim" / f"{top}.v"]
+    for text in initial.warnings:
+        say(f"warning: INIT={values['INIT']}: {text}")
     bridge = compiled(top, model, files, [ROOT / name for name in folders])
-    options = line.options()
+    options = line.options() + (["--real-work", "1"] if device == "user" else [])
     for name, value in initial.inputs.items():
         options += [f"--{name.replace('_', '-')}", str(value)]
-    return bridge, options, initial.items
+    tables = {name: [run.start, len(run)] for name, run in place.tables.items()}
+    return Started(bridge, options, initial.items, line_facts(line, tables, list(place.files)))
 
 
 def of_map(named):
@@ -254,7 +401,8 @@ def of_map(named):
     for name in ("DEVICE", "PARAMETERS"):
         if name in named:
             raise BadVariable(f"{name}: a map file is a device of its own, leave {name} out")
-    check_link(named.get("LINK", DEFAULTS["LINK"]))
+    if named.get("MODE", "rtu") != "rtu" or "DATA_BITS" in named:
+        raise BadVariable("MODE: a device of a map file has RTU mode alone, leave MODE and DATA_BITS out")
     with map_device.built(named["MAP"], named.get("INIT", "")) as made:
         baud = made.facts["line"]["baud"]
         try:
@@ -262,35 +410,67 @@ def of_map(named):
         except BadVariable as error:
             from_map = "BAUD" not in named and str(error).startswith("BAUD")
             raise BadVariable(f"{error}; the map says {baud}, give another BAUD" if from_map else error) from None
-        parameters = {"CLK_HZ": CLOCK_HZ}
+        parameters = {"CLK_HZ": line.clock_hz()}
         if not made.run_time:
-            if abs(CLOCK_HZ - line.cycles * line.baud) * MOST_RATE_ERROR > CLOCK_HZ:
-                raise BadVariable(f"BAUD={line.baud}: {CLOCK_HZ} Hz, the simulated clock, misses it by more than 2 %")
-            parameters |= {"ADDRESS": line.address, "BAUD": line.baud, "FORMAT": line.format}
+            if len(line.slaves) > 1:
+                raise BadVariable("SLAVES: the map fixes the address; with run_time in its line there can be several")
+            parameters |= {"ADDRESS": line.slaves[0], "BAUD": line.baud, "FORMAT": line.format}
         bridge = compiled(made.top, parameters, made.files, made.folders)
-    options = [*line.options(), "--t35-us", str(made.core("T35_MIN_US"))]
-    options += ["--reply-bits", str(made.core("RESPONSE_DELAY"))]
-    return bridge, options, made.items
+    options = line.options()
+    for name, option in (("T15_MIN_US", "--t15-us"), ("T35_MIN_US", "--t35-us")):
+        if name in made.facts["core"]:
+            options += [option, str(made.core(name))]
+    if delay := made.core("RESPONSE_DELAY"):
+        options += ["--reply-bits", str(delay), "--real-work", "1"]
+    return Started(bridge, options, made.items, line_facts(line, made.tables(), [0, 1], made.facts))
 
 
 def start(given):
     """Check, compile, become the bridge. Returns only by an exception."""
     named = named_variables(given)
     values = DEFAULTS | named
-    bridge, options, items = of_map(named) if map_device.is_map(values["MAP"]) else of_tables(values)
+    if "SLAVES" in named and "ADDRESS" in named:
+        raise BadVariable("SLAVES: leave ADDRESS out")
+    for name in ("TCP", "RTU_TCP"):
+        if values["MODE"] == "ascii" and values[name]:
+            raise BadVariable(f"{name}: needs MODE=rtu")
+    hold = number("HOLD", values["HOLD"], HOLD_MS)
+    armed = faults.parse(values["FAULT"])
     link = values["LINK"]
-    if check_link(link):
-        os.unlink(link)
-    arguments = [str(bridge), "--link", link, *options]
-    if items:
-        arguments += ["--init-fd", str(init_descriptor(items))]
+    if values["PORT"]:
+        check_port(values["PORT"], named)
+    else:
+        check_link(link)
+    served = {name: value for name, value in named.items() if name in SERVER_VARIABLES}
+    if wrong := variables.wrong(served):
+        raise BadVariable(wrong)
+    if served.get("LOG") == "0":
+        del served["LOG"]
+    sockets = ways_in.sockets(values)
+    made = of_map(named) if map_device.is_map(values["MAP"]) else of_tables(values)
+    if values["PORT"]:
+        arguments = [str(made.bridge), "--port", values["PORT"]]
+    else:
+        if check_link(link):
+            os.unlink(link)
+        arguments = [str(made.bridge), "--link", link]
+    arguments += [*made.options, "--hold-ms", str(hold)]
+    for fault in armed:
+        arguments += ["--fault", fault]
+    if made.items:
+        arguments += ["--init-fd", str(descriptor("init", "".join(f"{s} {a} {v}\n" for s, a, v in made.items)))]
     if values["TRACE"]:
         arguments += ["--trace", values["TRACE"]]
     if values["DIE_WITH_PARENT"]:
         arguments += ["--die-with-parent"]
+    if values["CONTROL_FD"]:  # the caller is the control server
+        arguments += ["--control-fd", values["CONTROL_FD"]]
+    elif sockets or served:
+        facts = made.facts | {"link": values["PORT"] or link, "device": values["DEVICE"]}
+        arguments += ["--control-fd", str(ways_in.start(sockets, served, descriptor("facts", json.dumps(facts))))]
     # Held back until the bridge listens for them, so that none is lost on the way.
     signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
-    os.execv(bridge, arguments)
+    os.execv(made.bridge, arguments)
 
 
 SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}

@@ -13,8 +13,8 @@ import test_modules
 import test_system
 from harness.conformance import DOCUMENT, Row, existing, outcomes, rows, unshown
 
-SOURCES = re.compile(r"(AP|SL|RG|PDM) \S.*|decided here")
-ON_THE_RTL = {"test_differential", "test_timing", "test_live", "test_functions"}  # of the suites of pytest
+SOURCES = re.compile(r"(AP|SL|RG|PDM|HL) \S.*|decided here")
+ON_THE_RTL = {"test_differential", "test_timing", "test_live", "test_functions", "test_host_library"}  # of pytest
 
 
 @pytest.fixture(scope="module")

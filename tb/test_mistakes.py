@@ -7,16 +7,15 @@ import pytest
 import test_buses
 import test_modules
 import test_system
-from harness.runner import source_of
 from mistakes import MISTAKES
-from mistakes.selection import COMPILED, FIRST, SELECTION
+from mistakes.selection import COMPILED, COMPILER_FIRST, COMPILER_TESTS, FIRST, SELECTION
 
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.name)
 def test_mistake_can_be_planted(mistake):
     """Its text is found, and only once, so what is planted is what was meant."""
     try:
-        text = source_of(mistake.file).read_text()
+        text = plant.path_of(mistake.file).read_text(encoding="utf-8")
     except StopIteration:
         pytest.fail(f"no file {mistake.file}", pytrace=False)
     found = text.count(mistake.old)
@@ -33,6 +32,8 @@ def test_what_is_tried_exists():
     suites = {*test_modules.MODULES, *test_system.SUITES, *test_buses.SUITES, COMPILED}
     assert {suite for suite, _ in SELECTION} <= suites
     assert {suite for first in FIRST.values() for suite in first} <= {suite for suite, _ in SELECTION}
+    assert set(COMPILER_FIRST.values()) <= set(COMPILER_TESTS)
+    assert all((plant.TB / f"map/{name}.py").exists() for name in COMPILER_TESTS)
 
 
 def test_every_row_of_the_table_is_a_mistake():

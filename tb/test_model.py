@@ -45,10 +45,55 @@ def test_model_answers_as_printed(vector):
     assert not vectors.differences(slave, vector)
 
 
+@pytest.mark.parametrize("vector", vectors.in_ascii(), ids=lambda v: v["id"])
+def test_model_answers_as_printed_in_ascii(vector):
+    """Characters, memory, all nine counters and the event log."""
+    slave = Slave(vectors.config(vector))
+    vectors.prepare(slave, vector)
+    assert slave.hear(vector["request_chars"].encode()) == vector["expected_response_chars"].encode()
+    assert not vectors.differences(slave, vector)
+    assert frames.ascii_line(vectors.frame(vector["request"])) == vector["request_chars"].encode()
+
+
+@pytest.mark.parametrize("check", vectors.document()["lrc_checks"], ids=lambda c: c["lrc"])
+def test_lrc_of_the_sources(check):
+    assert f"{frames.lrc(bytes.fromhex(check['data'])):02X}" == check["lrc"]
+
+
+def test_model_tells_the_kinds_of_bad_frames_apart_in_ascii():
+    slave, good = Slave(Config(timeout=50)), frames.ascii_adu(17, frames.read(3, 0, 1))
+    cases = {
+        "crc": [
+            good[:-3] + b"0\r\n",
+            good[:-2] + b"g0\r\n",
+            good[:-2] + b"0\r\n",
+            good[:-1] + b"0",
+            good[:-2] + b"\r\r",
+        ],
+        "short": [b":\r\n", b":1\r\n", b":1107\r\n"],
+        "long": [good[:-2] + b"0" * 500 + b"\r\n"],
+        "gap": [[*good[:8], (good[8], 51, None), *good[9:]]],
+        "parity": [[(58, 0, "parity"), *good[1:]], [*good[:-1], (10, 0, "parity")]],
+    }
+    for kind, lines in cases.items():
+        for line in lines:
+            assert slave.hear(line) is None, (kind, line)
+            assert slave.errors == {kind}, (kind, line, slave.errors)
+    bad = slave.counters["bus_comm_error"]
+    assert bad == sum(map(len, cases.values()))
+    assert slave.hear(b"garbage" + good) is not None and slave.hear(b"::" + good) is not None
+    assert slave.counters["bus_comm_error"] == bad and not slave.errors
+    assert slave.hear(good[:5] + good) is not None and slave.counters["bus_comm_error"] == bad + 1
+    assert slave.hear(b":11") is None and slave.fall_silent() is None and slave.errors == {"gap", "short"}
+    with pytest.raises(ValueError):
+        slave.hear(good + good)
+
+
 def test_vectors_are_all_played_or_explained():
     explained = vectors.unplayable()
     every = vectors.document()["vectors"]
-    assert len(vectors.playable()) + len(vectors.pdm()) + len(explained) == len(every)
+    played = vectors.playable() + vectors.pdm() + vectors.in_ascii()
+    assert len(played) + len(explained) == len(every)
     assert all(reason for _, reason in explained)
     few = frozenset((FC.READ_COILS, FC.READ_HOLDINGS))
     assert {vectors.frame(v["request"])[1] for v in vectors.playable(few) if v["request_check_ok"]} >= few

@@ -15,6 +15,9 @@ TABLES = table_parameters(
         Space.HOLDINGS: (1000, 300),
     }
 )
+IO_TABLES = table_parameters(
+    {Space.COILS: (101, 39), Space.DISCRETES: (7, 33), Space.INPUTS: (65530, 6), Space.HOLDINGS: (400, 12)}
+)
 OVERLAID = {"OVERLAY": 1, "HOLDING_COUNT": 12, "READ_ONLY_BASE": 5, "READ_ONLY_COUNT": 2}
 SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
 
@@ -39,6 +42,7 @@ MODULES = {
     "line_waits": ("modbus_line_timer", {"T15_CLOCKS": 0, "T35_CLOCKS": 0}, "line.line_waits"),
     "frame_tx": ("modbus_frame_tx", {}, "line.frame_tx"),
     "line": ("modbus_line", {"CLK_HZ": 1_000_000, "T15_MIN_US": 0, "T35_MIN_US": 0}, "line.line"),
+    "ascii": ("modbus_ascii", {}, "line.ascii"),
     "alive": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 7}, "line.alive"),
     "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "line.alive"),
     "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "line.alive"),
@@ -47,6 +51,8 @@ MODULES = {
     "sequencer": ("modbus_sequencer", {"USER_CODES": 1 << 65}, "engine.sequencer"),
     "range": ("modbus_range", {}, "engine.range"),
     "burst": ("modbus_burst", {}, "engine.burst"),
+    "range_wide": ("modbus_range", {"BITS_PER_BEAT": 16}, "engine.range"),
+    "burst_wide": ("modbus_burst", {"BITS_PER_BEAT": 16}, "engine.burst"),
     "frame_ram": ("modbus_frame_ram", {}, "engine.frame_ram"),
     "diagnostics": ("modbus_diagnostics", {}, "engine.diagnostics"),
     "bank_guard": ("modbus_bank_guard", {**TABLES, **SOME_READ_ONLY}, "bank.bank_guard"),
@@ -63,6 +69,8 @@ MODULES = {
         {"CLK_HZ": 1_000_000, "BIT_TIME": 16, "T15_MIN_US": 0, "T35_MIN_US": 0},
         "examples.example_units",
     ),
+    "bank_ram_wide": ("modbus_bank_ram", {**TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
+    "bank_io_wide": ("modbus_bank_io", {**IO_TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "examples.example_user"),
     "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "examples.pdm_record"),
     "pdm_record_4": ("modbus_pdm_record", {"DEPTH": 4}, "examples.pdm_record"),

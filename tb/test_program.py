@@ -13,7 +13,7 @@ from harness.runner import sources
 from harness.steps import NUMBERS, RANGES, taken
 from protocol.defs import ALL_FUNCTIONS, DIAGNOSTIC_FUNCTIONS
 
-STEPS, MOST_STEPS = 512, 452
+STEPS, MOST_STEPS = 512, 440
 TABLE = 32
 EVERYTHING = {"USER_CODES": 1 << 65, "ADDITIONAL_DATA_BYTES": 1, "CHECK_WRITES": 1}
 SETS = [

@@ -19,7 +19,7 @@ import synth_flow  # noqa: E402
 import synth_parts  # noqa: E402
 import synth_report as report  # noqa: E402
 from synth_devices import DEVICES, FAMILIES  # noqa: E402
-from synth_profiles import OPTIONS, PROFILES, SHOWN, USER_OPTION  # noqa: E402
+from synth_profiles import ADDED_OPTIONS, OPTIONS, PROFILES, SHOWN  # noqa: E402
 
 KEYS = [(profile, bank) for profile, banks in PROFILES.items() for bank in banks]
 FIELDS = {"profile": str, "bank": str, "device": str, "lc": int, "lut": int, "ff": int, "carry": int, "ram": int}
@@ -57,7 +57,7 @@ def test_record_has_every_figure(record):
         whole = report.row_of(record["results"], *name.split("/"), report.CHECKED)
         for field in ("lc", "ff", "ram"):
             assert sum(part[field] for part in its.values()) == whole[field], f"{field} of {name}"
-    assert set(record["options"]) == {"", *OPTIONS, USER_OPTION}
+    assert set(record["options"]) == {"", *OPTIONS, *ADDED_OPTIONS}
     assert record["tools"]["yosys"] and record["tools"]["nextpnr-ice40"] and record["tools"]["nextpnr-ecp5"]
 
 
@@ -287,6 +287,34 @@ def test_folded_outputs_all_count(family, outputs, seed):
             values[cell["connections"][output][0]] = int(table[::-1][index])
         (pin,) = module["ports"][synth_flow.FOLDED]["bits"]
         assert values[pin] == sum(values[bit] for bit in bits) % 2
+
+
+# --- the longest path -----------------------------------------------------------------------------
+
+
+def test_longest_path_is_named_by_modules():
+    """The longest path between registers, not one from a pin; each module once in a row, a RAM marked."""
+
+    def step(cell, delay, kind="logic"):
+        return {"from": {"cell": cell, "port": "O"}, "to": {"cell": "any", "port": "I0"}, "delay": delay, "type": kind}
+
+    owners = {"u_dut": "top", "u_dut.u_a": "a", "u_dut.u_a.u_b": "b"}
+    memory = [step("u_dut.u_a.words.0_RAM", 2.1, "clk-to-q"), step("u_dut.u_a.words.0_RAM", 1.0, "routing"),
+              step("u_dut.u_a.u_b.some_LC", 0.4), step("$nextpnr_1", 0.4), step("u_dut.u_a.u_b.more_LC", 0.3),
+              step("u_dut.out_LC", 0.3, "setup")]  # fmt: skip
+    short = [step("u_dut.u_a.q_LC", 0.5, "clk-to-q"), step("u_dut.u_a.q_LC", 0.3, "setup")]
+    report_of = {
+        "critical_paths": [
+            {"from": "posedge clk_i", "to": "posedge clk_i", "path": short},
+            {"from": "posedge clk_i", "to": "posedge clk_i", "path": memory},
+            {"from": "<async>", "to": "posedge clk_i", "path": [step("u_dut.pin", 99.0)]},
+        ]
+    }
+    assert synth_parts.longest_path(report_of, owners) == {"ns": 4.5, "through": ["a (RAM)", "b", "top"]}
+    assert synth_parts.longest_path({"critical_paths": []}, owners) is None
+    row = {"profile": "basic", "bank": "ram", "device": report.CHECKED, "paths": [{"ns": 4.5, "through": ["a", "b"]}]}
+    table = report.paths_table([row], {"yosys": "1", "seeds": [1, 2, 3]})
+    assert "| `basic` | ram | iCE40 HX8K | 4.50 | a → b |" in table.splitlines()
 
 
 # --- which module a logic cell belongs to ---------------------------------------------------------

@@ -12,7 +12,7 @@ import run_tests
 from harness import volume
 from harness.runner import ROOT
 
-TARGETS = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)) | {"demo", "serve"}
+TARGETS = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)) | {"demo", "serve", "try"}
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@
 #
 # bootstrap.sh - installs what a make target needs: commands by apt, Python packages into .venv.
 #
-#   bootstrap.sh apt SET    the commands of a set: demo test lint formal fpga ecp5 peers boards fusesoc map
+#   bootstrap.sh apt SET    the commands of a set: demo web try test lint formal fpga ecp5 peers boards fusesoc map
 #   bootstrap.sh venv SET   its Python packages and front ends (the commands first)
 #   bootstrap.sh hash       the hash that the stamps are named after
 #
@@ -65,19 +65,19 @@ find_python() {
 lacking() {
   lack() { command -v "$1" >/dev/null 2>&1 || printf '%s\n' "$2"; }
   if [ "$2" = wanted ]; then          # good to have: no target stops without them
-    case $1 in demo|test) lack ccache ccache ;; esac
-    case $1 in test) lack mbpoll mbpoll; lack tclsh tcl; lack ghdl ghdl ;; esac
+    case $1 in demo|web|test) lack ccache ccache ;; esac
+    case $1 in test) lack mbpoll mbpoll; lack tclsh tcl; lack ghdl ghdl; lack chromium chromium; lack tshark tshark ;; esac
     return
   fi
   lack make make
   case $1 in
-    demo|test|lint|fusesoc) lack verilator verilator ;;
+    demo|web|test|lint|fusesoc) lack verilator verilator ;;
   esac
   case $1 in
     test|lint|fusesoc) lack iverilog iverilog ;;
   esac
   case $1 in
-    demo|test|fusesoc) lack g++ g++ ;;
+    demo|web|test|fusesoc) lack g++ g++ ;;
   esac
   case $1 in
     test)
@@ -100,6 +100,14 @@ run_apt() {
   return 1
 }
 
+# Each package alone: a release may lack one (Ubuntu has Chromium as a snap only), and the others are still wanted.
+apt_each() {
+  for package in "$@"; do
+    $AS_ROOT env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 \
+      install -y --no-install-recommends "$package" >> "$log" 2>&1 || true
+  done
+}
+
 apt_set() {
   needed=$(lacking "$1" needed | sort -u | tr '\n' ' ')
   wanted=$(lacking "$1" wanted | sort -u | tr '\n' ' ')
@@ -115,7 +123,7 @@ apt_set() {
   if [ $can = yes ]; then
     say "installing by apt: $needed$wanted(takes a minute; log in $VENV/apt.log)"
     # shellcheck disable=SC2086  # lists of package names
-    run_apt $needed $wanted || { [ -n "$wanted" ] && [ -n "$needed" ] && run_apt $needed; }
+    run_apt $needed $wanted || { [ -n "$wanted" ] && { [ -z "$needed" ] || run_apt $needed; } && apt_each $wanted; }
   elif [ -n "$needed" ]; then
     die "missing packages, and no right to install them.  Run this as root, then make again:
 $by_hand"
@@ -204,14 +212,26 @@ case "${1:-}" in
   apt|venv) ;;
   *) die "usage: bootstrap.sh hash | apt SET | venv SET" ;;
 esac
-case "${2:-}" in demo|test|lint|formal|fpga|ecp5|peers|boards|fusesoc|map) ;; *) die "no such set: ${2:-}" ;; esac
+case "${2:-}" in demo|web|try|test|lint|formal|fpga|ecp5|peers|boards|fusesoc|map) ;; *) die "no such set: ${2:-}" ;; esac
 case $ROOT in
   *[[:space:]]*) die "make and Verilator cannot work below a path with blanks: $ROOT" ;;
 esac
 
+# Nothing to do: no lock, and nothing is written.
+if [ "$1" = apt ]; then
+  stamp=$VENV/apt-$2-$(hash_all).ok
+  [ -f "$stamp" ] && [ -z "$(lacking "$2" needed)$(lacking "$2" wanted)" ] && exit 0
+else
+  stamp=$VENV/$2-$(hash_all).ok
+  [ -f "$stamp" ] && "$VENV/bin/python" -c '' 2>/dev/null && exit 0
+fi
+if ! { mkdir -p "$VENV" && : >> .venv.lock; } 2>/dev/null; then
+  [ "$1" = apt ] && [ -z "$(lacking "$2" needed)" ] && exit 0
+  die "$ROOT may only be read, and something is missing for this target: make it once where it may be written"
+fi
+
 # One set-up at a time in a checkout: two makes started together must not write the same venv.
 command -v flock >/dev/null 2>&1 || die "flock is missing (package util-linux)"
-mkdir -p "$VENV"
 exec 9> .venv.lock
 flock -n 9 || { say "another make is installing, waiting for it"; flock 9; }
 

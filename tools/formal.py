@@ -23,6 +23,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -150,6 +151,7 @@ def _map(row: str, number: int) -> Proof:
 
 
 GENERATED: dict[str, list[Path]] = {}  # map: its RTL and its properties, below build/formal/maps
+GENERATING = threading.Lock()  # several proofs may be of one map
 
 
 def from_map(path: str) -> str:
@@ -171,8 +173,9 @@ def sources(map_file: str = "") -> dict[str, Path]:
     names = [*all_files(), *include_files()]
     paths = [ROOT / name for name in names]
     if map_file:
-        if map_file not in GENERATED:
-            from_map(map_file)
+        with GENERATING:
+            if map_file not in GENERATED:
+                from_map(map_file)
         paths += GENERATED[map_file]
     paths += [path for suffix in ("v", "vh") for path in sorted(PROPERTIES.glob(f"*.{suffix}"))]
     return {path.name: path for path in paths}

@@ -47,6 +47,7 @@ USER_CODES = "128'h7FF000000001FE0000000000000008"  # 03, 65 to 72, 100 to 110
 CORE_SETS = [
     *COMMON_SETS,
     {"FUNCTION_CODES": "128'h0"},
+    {"ASCII_MODE": "1"},
     {"FUNCTION_CODES": "128'h80000020000"},  # 11 2B
     {"FUNCTION_CODES": "128'h1900"},  # 08 0B 0C
     {"FUNCTION_CODES": "128'h1300000"},  # 14 15 18
@@ -65,17 +66,24 @@ DROP_IN_SETS = [
 ]
 # module -> parameter sets; every other module is linted alone as it comes
 PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
+    "modbus_line": [{}, {"ASCII_MODE": "1"}, {"ASCII_MODE": "1", "T15_MIN_US": "0", "T35_MIN_US": "0"}],
     "modbus_rtu_core": CORE_SETS,
     "modbus_rtu_slave": [
         *DROP_IN_SETS,
         FULL_TABLES,
         {"FILE_COUNT": "3", "FILE_RECORDS": "100"},
         {"OVERLAY": "1", "HOLDING_COUNT": "65536"},
+        {"BITS_PER_BEAT": "16"},
+        {"BITS_PER_BEAT": "16", "OVERLAY": "1"},
     ],
-    "modbus_rtu_slave_io": DROP_IN_SETS,
+    "modbus_rtu_slave_io": [
+        *DROP_IN_SETS,
+        {"BITS_PER_BEAT": "16"},
+        {"BITS_PER_BEAT": "16", "COIL_BASE": "9", "COIL_COUNT": "40"},
+    ],
     "modbus_axil_master": [{}, {"GUARD": "0"}, FULL_TABLES],
     "modbus_axil_slave": [{}, {"HOLD": "0"}],
-    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}, {"BIT_FRACTIONS": "1"}],
+    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}, {"BIT_FRACTIONS": "1"}, {"ASCII_MODE": "1"}],
     "modbus_example_ram": [{}, {"WORDS": "65536"}],
     "modbus_pdm_meter": [
         {},

@@ -51,14 +51,18 @@ class Model:
     defines: Mapping[str, object] = field(default_factory=dict)  # for the C++ file
     shared: bool = True  # a library for ctypes; else a program
     optimise: str = OPTIMISE  # of the model itself: -O0 compiles fastest
+    others: Mapping[str, Path] = field(default_factory=dict)  # {top: its file} of more tops, each class V{top}
+    headers: Sequence[Path] = ()  # folders of further C++ headers
 
     def digest(self) -> str:
         """A name for the contents of everything that goes into the build."""
         settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
         settings += [self.optimise] if self.optimise != OPTIMISE else []  # names of earlier builds stay
+        settings += [sorted(self.others)] if self.others else []
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
-        for path in (*self.files, *headers, *sorted(HEADERS.glob("*.h")), self.wrapper, Path(__file__)):
+        headers += [path for folder in (HEADERS, *self.headers) for path in sorted(folder.glob("*.h"))]
+        for path in (*self.files, *self.others.values(), *headers, self.wrapper, Path(__file__)):
             out.update(f"{Path(path).name}\n".encode())
             out.update(Path(path).read_bytes())
         return out.hexdigest()[:16]
@@ -80,6 +84,8 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
     """
     key = model.digest()
     made = cache / key / ("model.so" if model.shared else "model")
+    if made.exists():  # perhaps in a folder that may only be read
+        return made
     cache.mkdir(parents=True, exist_ok=True)
     with open(cache / f"{key}.lock", "w") as lock:  # two may want the same at the same moment
         fcntl.flock(lock, fcntl.LOCK_EX)
@@ -105,22 +111,25 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
 def _build(model: Model, folder: Path, target: Path) -> None:
     """Verilog to C++; that and the wrapper, as one text, which is half the work, to `target`."""
     program = verilator()
-    _run(
-        [
-            program,
-            *VERILATE.split()[1:],
-            *("--top-module", model.top, "--prefix", PREFIX, "--Mdir", str(folder)),
-            *(f"-I{place}" for place in model.folders),
-            *(f"-G{name}={value}" for name, value in model.parameters.items()),
-            *map(str, model.files),
-        ],
-        folder,
-    )
+    tops = {PREFIX: (model.top, model.files, folder)}
+    tops |= {f"V{top}": (top, [file], folder / top) for top, file in model.others.items()}
+    for prefix, (top, files, place) in tops.items():
+        _run(
+            [
+                program,
+                *VERILATE.split()[1:],
+                *("--top-module", top, "--prefix", prefix, "--Mdir", str(place)),
+                *(f"-I{one}" for one in model.folders),
+                *(f"-G{name}={value}" for name, value in model.parameters.items() if prefix == PREFIX),
+                *map(str, files),
+            ],
+            folder,
+        )
     runtime = Path(_run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()) / "include"
-    texts = [*sorted(folder.glob("*.cpp")), model.wrapper.resolve()]
+    texts = [*sorted(folder.glob("**/*.cpp")), model.wrapper.resolve()]
     unit = folder / "unit.cc"
     unit.write_text("".join(f'#include "{path}"\n' for path in texts), encoding="utf-8")
-    places = (folder, HEADERS, runtime, runtime / "vltstd")
+    places = (*(place for _, _, place in tops.values()), HEADERS, *model.headers, runtime, runtime / "vltstd")
     _run(
         [
             *(model.optimise if word == OPTIMISE else word for word in COMPILE),
@@ -148,9 +157,25 @@ def _runtime(include: Path, folder: Path) -> list[str]:
     return [str(path) for path in made]
 
 
+def _compiler_cache(environment: Mapping[str, str], place: Path) -> dict[str, str]:
+    """A folder for ccache, which g++ may be, where it could not make its own: without one it compiles nothing."""
+    if "CCACHE_DIR" in environment or "CCACHE_CONFIGPATH" in environment:
+        return {}
+    if "ccache" not in Path(shutil.which("g++") or "").resolve().name:
+        return {}
+    try:
+        wanted = Path(environment.get("XDG_CACHE_HOME") or Path(environment.get("HOME") or "/nonexistent") / ".cache")
+        wanted.mkdir(parents=True, exist_ok=True)
+        usable = os.access(wanted, os.W_OK)
+    except OSError:
+        usable = False
+    return {} if usable else {"CCACHE_DIR": str(place / "ccache")}
+
+
 def _run(command: list[str], folder: Path) -> str:
     """Output of a command, which ends with us; BuildError if it fails. All that is said is in build.log."""
     environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    environment |= _compiler_cache(environment, folder.parent)
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     try:
         process = subprocess.Popen(command, env=environment, start_new_session=True, **pipes)

@@ -68,7 +68,10 @@ LIMITS = plain(
     MAX_WRITE_REGISTERS=(1, 123),
     RW_MAX_READ=(1, 125),
     RW_MAX_WRITE=(1, 121),
+    BITS_PER_BEAT=[1, 16],
     CHECK_WRITES=(0, 1),
+    ASCII_MODE=(0, 1),
+    ASCII_TIMEOUT_MS=(1, 1073),
     SERVER_ID_BYTES=(1, 16),
     ADDITIONAL_DATA_BYTES=(0, 234),
     CONFORMITY=["8'h01", "8'h02", "8'h03", "8'h81", "8'h82", "8'h83"],
@@ -90,6 +93,8 @@ def settings(rng: Random, large: bool) -> dict[str, object]:
         STALL_LIMIT=(0, 65535),
         DE_LEAD=(0, 15),
         DE_TAIL=(0, 15),
+        ASCII_DATA_BITS=(7, 8),
+        ASCII_EXTRA=(0, 3),
     )(rng, large)
     clk_hz = int(out["CLK_HZ"])
     # Above 100 clocks a bit every rate is near enough to a whole number of them; below, take a rate that is one.
@@ -157,7 +162,7 @@ SPACE: dict[str, list[Group]] = {
     "modbus_bank_guard": [tables()],
     "modbus_bank_ram": [tables()],
     "modbus_bank_io": [IO_TABLES],
-    "modbus_host_map": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), BIT_FRACTIONS=(0, 1))],
+    "modbus_host_map": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), BIT_FRACTIONS=(0, 1), ASCII_MODE=(0, 1))],
     "modbus_axil_master": [places, tables(overlay=False), plain(GUARD=(0, 1))],
     "modbus_axil_slave": [plain(HOLD=(0, 1))],
     "modbus_example_ram": [plain(WORDS=(2, 65536))],

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Plants deliberate mistakes in copies of the RTL and shows which test catches each.
+"""Plants deliberate mistakes in copies of the RTL, or of the map compiler, and shows which test catches each.
 
     plant.py              all of them
     plant.py crc          those whose name contains `crc`
@@ -30,22 +30,25 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from mistakes import MISTAKES
-from mistakes.selection import BUSES, COMPILED, FIRST, MODULES_ALONE, SELECTION
+from mistakes.selection import BUSES, COMPILED, COMPILER_FIRST, COMPILER_TESTS, FIRST, MODULES_ALONE, SELECTION
 
 ROOT = Path(__file__).resolve().parents[1]
 TB = ROOT / "tb"
 TREES = ("rtl", "examples")  # where the Verilog is
+COMPILER = "tools/modbus_map"  # the map compiler; its tests run in a copy of the whole checkout
+NO_COPY = ("build", "__pycache__", ".*", "*.pyc")
 WORK = ROOT / "build" / "mistakes"
 TABLE = ROOT / "docs" / "mistakes.md"
 WORKERS = min(2, os.cpu_count() or 1)
 TIMEOUT_SECONDS = 900
+MAPS_FOR_A_MISTAKE = "20"  # random maps that a mistake of the map compiler meets
 ROW = re.compile(r"^\| (\w+) \| `([\w.]+)` \| (?:`(\w+): ([^`]+)`(?: and \d+ more)?|random traffic|(.*)) \|$", re.M)
 TEST = re.compile(r"[\w/=.+,-]+")  # the name of a cocotb test
 HEAD = """# Deliberate mistakes
 
 `make mistakes UPDATE=1` writes this table. It plants each mistake of [`tools/mistakes/`](../tools/mistakes) in a copy
-of the RTL and runs a selection of the tests until one fails. The table names the suite and the test that failed first;
-others may notice the mistake too.
+of the RTL, or of the map compiler, and runs a selection of the tests until one fails. The table names the suite and the
+test that failed first; others may notice the mistake too.
 
 | Mistake | In | Caught by |
 |---|---|---|
@@ -65,14 +68,28 @@ def row(mistake, failed):
     return f"| {mistake.name} | `{mistake.file}` | {first} |"
 
 
+def in_compiler(file):
+    """True if a mistake in this file is one of the map compiler."""
+    return file.endswith(".py")
+
+
+def path_of(file, folder=ROOT):
+    """Where the file of a mistake is below `folder`."""
+    places = [COMPILER] if in_compiler(file) else TREES
+    return next(path for place in places for path in (folder / place).rglob(file))
+
+
 def planted(mistake, folder):
-    """Copy the Verilog to `folder` with the mistake in it."""
+    """Copy the Verilog, or what the map compiler needs, to `folder` with the mistake in it."""
     shutil.rmtree(folder, ignore_errors=True)
-    for tree in TREES:
-        shutil.copytree(ROOT / tree, folder / tree)
+    if mistake is None or not in_compiler(mistake.file):
+        for tree in TREES:
+            shutil.copytree(ROOT / tree, folder / tree)
+    else:
+        shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*NO_COPY), symlinks=True)
     if mistake is None:
         return
-    path = next(folder.glob(f"*/**/{mistake.file}"))
+    path = path_of(mistake.file, folder)
     text = path.read_text(encoding="utf-8")
     found = text.count(mistake.old)
     if found != 1:
@@ -97,6 +114,12 @@ def judge(touched, remembered):
     """
     failed = []
     suite, _, test = remembered.partition(": ")
+    if in_compiler(touched):
+        first = COMPILER_FIRST.get(touched)
+        failed = of_the_compiler([suite], test) if test else []
+        rest = sorted(COMPILER_TESTS, key=lambda name: name != first)
+        print(json.dumps(failed or of_the_compiler(rest)))
+        return
     if test:
         failed = simulated(suite, f"{re.escape(test)}$", len(SELECTION), only_tests=True)
     elif suite == COMPILED:
@@ -116,10 +139,29 @@ def judge_untouched(tests):
     for suite, names in tests.items():
         if suite == COMPILED:
             failed += compiled(dict(SELECTION)[COMPILED])
+        elif suite in COMPILER_TESTS:
+            failed += of_the_compiler([suite], " or ".join(names), Path(ROOT))
         else:
             only = f"({'|'.join(map(re.escape, names))})$" if names else None
             failed += simulated(suite, only, len(SELECTION))
     print(json.dumps(failed))
+
+
+def of_the_compiler(suites, only="", folder=None):
+    """The first failed test in files of tb/map of the copy, or nothing."""
+    folder = folder or Path(os.environ["TREE"])
+    environment = {**os.environ, "BENCH_BUILD": str(WORK / "compiler"), "MAPS": MAPS_FOR_A_MISTAKE}
+    environment.pop("TREE")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *(f"tb/map/{suite}.py" for suite in suites), "-x", "-q", "-n", "0",
+         "-p", "no:cacheprovider", "-rfE", *(["-k", only] if only else [])],
+        cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    print(done.stdout[-4000:], file=sys.stderr)
+    found = re.search(r"^(?:FAILED|ERROR) (?:tb/)?map/(\w+)\.py(?:::(\w+))?", done.stdout, re.M)
+    if found:
+        return [f"{found[1]}: {found[2] or 'cannot be read'}"]
+    return [] if done.returncode == 0 else [f"{suites[0]}: pytest ended with {done.returncode}"]
 
 
 def suite_of(name):

@@ -207,8 +207,10 @@ def still_shifted(netlist: dict) -> int:
     )
 
 
-def route(name: str, device: Device, net: Path, work: Path, seed: int) -> tuple[int, float]:
-    """Place and route with one seed: (what `lc` is taken from, Fmax in MHz or 0 without a clock)."""
+def route(
+    name: str, device: Device, net: Path, work: Path, seed: int, owners: dict[str, str]
+) -> tuple[int, float, dict | None]:
+    """Place and route with one seed: (what `lc` is taken from, Fmax in MHz or 0 without a clock, the longest path)."""
     base = f"{work}/{name}_seed{seed}"
     command = [*device.router, "--json", str(net), "--seed", str(seed)]
     command += ["--freq", str(device.target_mhz), "--timing-allow-fail"]
@@ -217,7 +219,7 @@ def route(name: str, device: Device, net: Path, work: Path, seed: int) -> tuple[
     report = read_json(Path(f"{base}.json"))
     speeds = [clock["achieved"] for clock in report["fmax"].values()]
     used = report["utilization"][device.utilization]["used"] if device.utilization else 0
-    return used, min(speeds, default=0.0)
+    return used, min(speeds, default=0.0), synth_parts.longest_path(report, owners)
 
 
 def measure(
@@ -239,9 +241,11 @@ def measure(
             folds = fold_outputs(netlist["modules"]["synth_top"], family, device.pins)
             net = work / f"net_{name}.json"
             (ROOT / net).write_text(json.dumps(netlist))
-            routed = {seed: route(name, device, net, work, seed) for seed in seeds}
-            row["fmax_mhz"] = round(statistics.median_low([mhz for _, mhz in routed.values()]), 1)
-            row["seed"] = next(s for s, (_, mhz) in routed.items() if round(mhz, 1) == row["fmax_mhz"])
+            owners = synth_parts.instances(netlist["modules"]["synth_top"])
+            routed = {seed: route(name, device, net, work, seed, owners) for seed in seeds}
+            row["fmax_mhz"] = round(statistics.median_low([mhz for _, mhz, _ in routed.values()]), 1)
+            row["seed"] = next(s for s, (_, mhz, _) in routed.items() if round(mhz, 1) == row["fmax_mhz"])
+            row["paths"] = sorted((path for *_, path in routed.values() if path), key=lambda path: -path["ns"])
             if device.utilization:
                 row["lc"] = routed[row["seed"]][0] - shifted - folds
         rows[name] = row

@@ -44,6 +44,41 @@ def instances(netlist: dict) -> dict[str, str]:
     return found
 
 
+SLOW_NS = 1.0  # a register shows its data sooner than this after the clock, a block RAM later
+
+
+def longest_path(report: dict, owners: dict[str, str]) -> dict | None:
+    """{"ns", "through"}: the longest path between registers in a report of nextpnr, and the modules on its way.
+
+    `owners`: what instances() found.  A cell that has no module in its name is passed over.  None without a path.
+    """
+    found = [path["path"] for path in report["critical_paths"] if _of_clock(path["from"]) and _of_clock(path["to"])]
+    if not found:
+        return None
+    longest = max(found, key=lambda steps: sum(step["delay"] for step in steps))
+    through: list[str] = []
+    for step in longest:
+        module = _owner(step["from"]["cell"], owners)
+        if module and step["type"] == "clk-to-q" and step["delay"] > SLOW_NS:
+            module += " (RAM)"
+        if module and through[-1:] != [module] and not (step["type"] != "clk-to-q" and through == [f"{module} (RAM)"]):
+            through.append(module)
+    return {"ns": round(sum(step["delay"] for step in longest), 2), "through": through}
+
+
+def _of_clock(event: str) -> bool:
+    return event.startswith("posedge")
+
+
+def _owner(cell: str, owners: dict[str, str]) -> str | None:
+    """The module of the innermost instance that a cell's name begins with."""
+    names = cell.split(".")
+    for end in range(len(names) - 1, 0, -1):
+        if ".".join(names[:end]) in owners:
+            return owners[".".join(names[:end])]
+    return None
+
+
 def signals(netlist: dict) -> dict[str, str]:
     """{signal bit, as nextpnr writes its name: module that declares it}, of a flattened Yosys netlist.
 

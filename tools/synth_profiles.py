@@ -18,6 +18,9 @@ FIXED_LINE = {  # 8E1, 115200 baud at 50 MHz, address 17, everything optional of
     "stall_limit_i": 0,
     "de_lead_i": 0,
     "de_tail_i": 0,
+    "ascii_i": 0,
+    "eight_bits_i": 0,
+    "ascii_extra_i": 0,
     "busy_i": 0,
     "write_lock_i": 0,
     "failure_i": 0,
@@ -103,12 +106,13 @@ OPTIONS: dict[str, tuple[tuple[int, ...], dict[str, str]]] = {
     "18: FIFO": ((0x18,), {}),
 }
 USER_OPTION = "user functions 65 to 72"
+ADDED_OPTIONS = (USER_OPTION,)  # `full` does not have them
 ALL_CODES = 0x0000080001F399FE
 USER_CODES = "128'h000000000000000001FE0000000000000000"  # 65 to 72
 
 
 def option_designs() -> dict[str, tuple[dict[str, str], dict[str, int]]]:
-    """{option: (parameters, ties)} of `full` without it, of USER_OPTION with it; "" is `full` itself."""
+    """{option: (parameters, ties)} of `full` without it, of ADDED_OPTIONS with it; "" is `full` itself."""
     parameters, ties = PROFILES["full"]["ram"]
     designs = {"": (parameters, ties)}
     for option, (codes, others) in OPTIONS.items():

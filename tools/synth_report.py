@@ -14,7 +14,7 @@ import json
 
 from synth_devices import DEVICES, FAMILIES
 from synth_peers import DEVICES_OF_PEERS, PEERS
-from synth_profiles import OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, USER_OPTION
+from synth_profiles import ADDED_OPTIONS, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN
 
 from common import ROOT, source_of
 
@@ -28,6 +28,7 @@ MARKS = {  # table -> what stands before and after it
     "readme": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "options": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "parts": ("<!-- parts table begin -->", "<!-- parts table end -->"),
+    "paths": ("<!-- paths table begin -->", "<!-- paths table end -->"),
     "peers": ("<!-- peers table begin -->", "<!-- peers table end -->"),
 }
 
@@ -113,13 +114,26 @@ def peers_table(peers: dict, results: list[dict], tools: dict) -> str:
     return "\n".join([*lines, "", f"{packages}; {median_line(tools)} Made by `make peers`."])
 
 
+def paths_table(results: list[dict], tools: dict) -> str:
+    """The longest path of each seed, as a markdown table: a line per path, of the devices that the peers are on."""
+    lines = ["| Profile | Bank | Device | ns | From register to register |", "|---|---|---|---:|---|"]
+    for profile, banks in PROFILES.items():
+        for bank in banks:
+            for device in DEVICES_OF_PEERS:
+                row = row_of(results, profile, bank, device) or {}
+                for path in row.get("paths", []):
+                    through = " → ".join(path["through"])
+                    lines.append(f"| `{profile}` | {bank} | {DEVICES[device].title} | {path['ns']:.2f} | {through} |")
+    return "\n".join([*lines, "", f"{tools_line(tools)}; seeds {', '.join(map(str, tools['seeds']))}."])
+
+
 def options_table(options: dict[str, dict], tools: dict) -> str:
     """What each option costs, as a markdown table."""
     whole = options[""]
     lines = ["| Option | Logic cells with / without it | Costs | RAM blocks |", "|---|---:|---:|---:|"]
-    for option in [*OPTIONS, USER_OPTION]:
+    for option in [*OPTIONS, *ADDED_OPTIONS]:
         row = options[option]
-        more, less = (row, whole) if option == USER_OPTION else (whole, row)
+        more, less = (row, whole) if option in ADDED_OPTIONS else (whole, row)
         cells, blocks = more["lc"] - less["lc"], more["ram"] - less["ram"]
         lines.append(f"| {option} | {more['lc']} / {less['lc']} | {cells} | {blocks} |")
     return "\n".join([*lines, "", f"iCE40 HX8K, {tools_line({**tools, 'nextpnr-ecp5': None})}, seed 1."])
@@ -250,6 +264,7 @@ def documents(record: dict) -> dict:
     readme = placed(readme, size_table(record["results"], tools), "readme")
     page = placed(page, options_table(record["options"], tools), "options")
     page = placed(page, parts_table(record["parts"], tools), "parts")
+    page = placed(page, paths_table(record["results"], tools), "paths")
     page = placed(page, peers_table(record["peers"], record["results"], tools), "peers")
     return {RECORD: record_text(record), README: readme, PAGE: page, CHART: chart(record["parts"])}
 

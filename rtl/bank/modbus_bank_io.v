@@ -16,6 +16,7 @@
 `define MB_WORDS_DEFAULT 8
 
 module modbus_bank_io #(
+  parameter integer BITS_PER_BEAT = 1,           // 1 or 16, that of the core
 `include "modbus_tables.vh"
   ,
 `include "modbus_table_widths.vh"
@@ -67,15 +68,12 @@ module modbus_bank_io #(
   wire        write_holding = ack & wb_we_i & (space == `MB_SPACE_HOLDINGS);
 
   // Which item of each table
-  localparam CW = (COIL_COUNT > 1)     ? $clog2(COIL_COUNT) : 1;
-  localparam DW = (DISCRETE_COUNT > 1) ? $clog2(DISCRETE_COUNT) : 1;
   localparam HW = (HOLDING_COUNT > 1)  ? $clog2(HOLDING_COUNT) : 1;
 
-  wire [CW-1:0] coil     = item[CW-1:0] - COIL_BASE[CW-1:0];
-  wire [DW-1:0] discrete = item[DW-1:0] - DISCRETE_BASE[DW-1:0];
   wire [HW-1:0] holding  = item[HW-1:0] - HOLDING_BASE[HW-1:0];
   wire [15:0]   word_in, word_out;
-  integer       c, h;
+  wire [15:0]   coils_in, discretes_in;          // the data of a beat of bits
+  integer       h;
 
   generate
     if (INPUT_COUNT > 1) begin : gen_inputs
@@ -95,17 +93,50 @@ module modbus_bank_io #(
   always @(posedge clk_i) begin
     ready_q <= wb_cyc_i & ~ack & ~rst_i;
     case (space)
-      `MB_SPACE_COILS:     read_q <= {15'd0, coils_q[coil]};
-      `MB_SPACE_DISCRETES: read_q <= {15'd0, discretes_i[discrete]};
+      `MB_SPACE_COILS:     read_q <= coils_in;
+      `MB_SPACE_DISCRETES: read_q <= discretes_in;
       `MB_SPACE_INPUTS:    read_q <= word_in;
       default:             read_q <= word_out;
     endcase
   end
 
-  always @(posedge clk_i)
-    for (c = 0; c < COIL_COUNT; c = c + 1)
-      if (rst_i)                                  coils_q[c] <= 1'b0;
-      else if (write_coil && coil == c[CW-1:0])   coils_q[c] <= wb_dat_i[0];
+  generate
+    if (BITS_PER_BEAT != 1) begin : gen_words_of_bits
+      // The tables as words of 16 addresses: item n is bit n mod 16
+      localparam integer CLOW = COIL_BASE % 16,     COIL_WORDS = (COIL_COUNT + CLOW + 15) / 16,
+                         DLOW = DISCRETE_BASE % 16, DISCRETE_WORDS = (DISCRETE_COUNT + DLOW + 15) / 16;
+      localparam CW = (COIL_WORDS > 1)     ? $clog2(COIL_WORDS) : 1;
+      localparam DW = (DISCRETE_WORDS > 1) ? $clog2(DISCRETE_WORDS) : 1;
+      localparam integer COIL_WORD = COIL_BASE / 16, DISCRETE_WORD = DISCRETE_BASE / 16;
+      wire [CW-1:0] coil     = item[4 +: CW] - COIL_WORD[CW-1:0];
+      wire [DW-1:0] discrete = item[4 +: DW] - DISCRETE_WORD[DW-1:0];
+      wire [COIL_WIDTH + 16*(1<<CW) - 1:0]     coils     = {{16*(1<<CW){1'b0}}, coils_q}     << CLOW;
+      wire [DISCRETE_WIDTH + 16*(1<<DW) - 1:0] discretes = {{16*(1<<DW){1'b0}}, discretes_i} << DLOW;
+      wire [15:0]   lanes;
+      integer       c;
+      modbus_bank_lanes u_lanes (.first_i(item), .last_i(grant_last_i), .lanes_o(lanes));
+      assign coils_in     = coils[{1'b0, coil, 4'd0} +: 16];
+      assign discretes_in = discretes[{1'b0, discrete, 4'd0} +: 16];
+      always @(posedge clk_i)
+        for (c = CLOW; c < COIL_COUNT + CLOW; c = c + 1)
+          if (rst_i)
+            coils_q[c - CLOW] <= 1'b0;
+          else if (write_coil && lanes[c % 16] && (COIL_WORDS == 1 || coil == c[4 +: CW]))
+            coils_q[c - CLOW] <= wb_dat_i[c % 16];
+    end else begin : gen_single_bits
+      localparam CW = (COIL_COUNT > 1)     ? $clog2(COIL_COUNT) : 1;
+      localparam DW = (DISCRETE_COUNT > 1) ? $clog2(DISCRETE_COUNT) : 1;
+      wire [CW-1:0] coil     = item[CW-1:0] - COIL_BASE[CW-1:0];
+      wire [DW-1:0] discrete = item[DW-1:0] - DISCRETE_BASE[DW-1:0];
+      integer       c;
+      assign coils_in     = {15'd0, coils_q[coil]};
+      assign discretes_in = {15'd0, discretes_i[discrete]};
+      always @(posedge clk_i)
+        for (c = 0; c < COIL_COUNT; c = c + 1)
+          if (rst_i)                                  coils_q[c] <= 1'b0;
+          else if (write_coil && coil == c[CW-1:0])   coils_q[c] <= wb_dat_i[0];
+    end
+  endgenerate
 
   always @(posedge clk_i)
     for (h = 0; h < HOLDING_COUNT; h = h + 1)

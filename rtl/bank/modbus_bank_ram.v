@@ -6,9 +6,10 @@
 // Registers and file records share a memory; bits have one of their own unless they fit beside the registers.  Each memory
 // has one port, and line and host take turns.  A side that has the memory keeps it while its cyc is high, so a burst of
 // the line is one snapshot for the host, and an access of the host is one for the line.
-// A burst takes two clocks an item.  The longest, 2000 coils, makes the host wait 4001 clocks.  The host may hold
-// host_cyc_i over several accesses to read or write a block in one piece.  Meanwhile the core waits, up to its stall
-// limit; only a range that does not exist is refused at once.  Each such question costs the host one clock.
+// A burst takes two clocks a beat.  The longest, 2000 coils one by one, makes the host wait 4001 clocks.  With
+// BITS_PER_BEAT = 16 the bits lie sixteen to a word and a beat moves a word: then it waits 253 clocks.  The host may
+// hold host_cyc_i over several accesses to read or write a block in one piece.  Meanwhile the core waits, up to its
+// stall limit; only a range that does not exist is refused at once.  Each such question costs the host one clock.
 //
 // Host side: Wishbone B4 classic, address {space, item} as on the line, no byte selects.  ack comes two clocks after stb
 // when the memory is free, err for an address outside the tables.  The host may write every table.  Record r of file f is
@@ -23,6 +24,7 @@
 `include "modbus_defs.vh"
 
 module modbus_bank_ram #(
+  parameter integer BITS_PER_BEAT = 1,           // 1 or 16, that of the core
   parameter integer CHECK_WRITES = 0,            // 1: the core has checking passes; every value is acceptable here
 `include "modbus_tables.vh"
 ) (
@@ -62,7 +64,8 @@ module modbus_bank_ram #(
   wire        refused;               // the address of the host is outside the tables
   wire        checks = (CHECK_WRITES != 0) & (space[2:1] == 2'b11);    // a checking pass: nothing is stored
   wire        write = ack & we & ~(host_q & refused) & ~checks;
-  wire [15:0] read;
+  wire [15:0] read;                  // to the core
+  wire [15:0] single;                // to the host, which has one bit at a time in any case
 
   // Between two accesses of the host one clock of the guard is enough for a question of the core.  The core has no
   // grant, so the memory stays untouched in that clock and the block of the host stays one piece.
@@ -79,7 +82,7 @@ module modbus_bank_ram #(
   assign wb_dat_o   = read;
   assign host_ack_o = ack & host_q & ~refused;
   assign host_err_o = ack & host_q & refused;
-  assign host_dat_o = read;
+  assign host_dat_o = single;
 
   // The guard judges the question of the core, or with the memory in the hands of the host the item that the host shows.
   modbus_bank_guard #(
@@ -94,16 +97,24 @@ module modbus_bank_ram #(
   // ------------------------------------------------------------------ where an item is
 
   // Holding registers, input registers, file records; then coils and discrete inputs, a word each, where that takes no
-  // more blocks of 256 words than a memory of their own.  In the overlay the bits are those of the registers.
+  // more blocks of 256 words than a memory of their own.  With sixteen bits a beat the word of item n is n / 16,
+  // counted from that of the first item.  It lies beside the registers if all fit one block, since a beat writes back
+  // what it has read, and that path must be short.  In the overlay the bits are those of the registers.
   localparam REGISTERS = (OVERLAY != 0) ? HOLDING_COUNT : HOLDING_COUNT + INPUT_COUNT;
   localparam FILES_END = REGISTERS + FILE_COUNT * FILE_RECORDS;
-  localparam BITS      = (OVERLAY != 0) ? 0 : COIL_COUNT + DISCRETE_COUNT;
-  localparam BESIDE    = (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
+  localparam WIDE      = (BITS_PER_BEAT != 1);
+  localparam PACKED    = WIDE || OVERLAY != 0;                 // sixteen bits to a word
+  localparam integer COIL_WORDS     = (COIL_COUNT + COIL_BASE % 16 + 15) / 16,
+                     DISCRETE_WORDS = (DISCRETE_COUNT + DISCRETE_BASE % 16 + 15) / 16;
+  localparam BITS      = (OVERLAY != 0) ? 0 : WIDE ? COIL_WORDS + DISCRETE_WORDS : COIL_COUNT + DISCRETE_COUNT;
+  localparam BESIDE    = WIDE ? FILES_END + BITS <= 256 :
+                         (FILES_END + BITS + 255) / 256 <= (FILES_END + 255) / 256 + (BITS + 4095) / 4096;
   localparam ITEMS     = (BESIDE != 0) ? FILES_END + BITS : FILES_END;
   localparam WORDS     = (ITEMS > 0) ? ITEMS : 1;              // a word that is never written: nothing remains of it
   localparam W         = (WORDS > 1) ? $clog2(WORDS) : 1;
 
-  localparam integer COIL_SHIFT    = FILES_END - COIL_BASE,     DISCRETE_SHIFT = FILES_END + COIL_COUNT - DISCRETE_BASE,
+  localparam integer COIL_SHIFT     = FILES_END - (WIDE ? COIL_BASE / 16 : COIL_BASE),
+                     DISCRETE_SHIFT = FILES_END + (WIDE ? COIL_WORDS - DISCRETE_BASE / 16 : COIL_COUNT - DISCRETE_BASE),
                      HOLDING_SHIFT = -HOLDING_BASE,             INPUT_SHIFT    = HOLDING_COUNT - INPUT_BASE;
 
   // Files begin at 1.  In the arithmetic of as many bits as the memory has the product is a shift where FILE_RECORDS
@@ -111,7 +122,7 @@ module modbus_bank_ram #(
   // The widths are those of the largest memory:
   // verilator lint_off UNUSED
   wire [17:0]  file    = {2'd0, grant_file_i} - 18'd1;
-  wire [17:0]  place   = (OVERLAY != 0 && bits) ? {6'd0, item[15:4]} : {2'd0, item};
+  wire [17:0]  place   = (PACKED && bits) ? {6'd0, item[15:4]} : {2'd0, item};
   // verilator lint_on UNUSED
   reg  [W-1:0] file_shift_q;         // the file is known long before its burst
   reg  [W-1:0] shift;
@@ -148,14 +159,61 @@ module modbus_bank_ram #(
     word_q <= words[at];
   end
 
+`ifdef FORMAL
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+`endif
+
+  // With sixteen bits to a word a beat writes back what it has read, but for its own bits.
   generate
-    if (OVERLAY != 0) begin : gen_overlay
+    if (WIDE) begin : gen_wide
+      wire        one = host_q & bits;
+      wire [15:0] lanes;
+      wire [15:0] stood;                       // what stands in the word of bits
+      assign single = bits ? {15'd0, stood[item[3:0]]} : word_q;
+      wire [15:0] merged = ((one ? {16{given[0]}} : given) & lanes) | (stood & ~lanes);
+      modbus_bank_lanes u_lanes (.first_i(item), .last_i(host_q ? item : grant_last_i), .lanes_o(lanes));
+      if (BESIDE != 0 || OVERLAY != 0) begin : gen_in_words
+        assign stood  = word_q;
+        assign data   = bits ? merged : given;
+        assign read   = word_q;
+      end else begin : gen_in_words_of_their_own
+        localparam BW = (BITS > 1) ? $clog2(BITS) : 1;
+        localparam integer COIL_PLACE = -(COIL_BASE / 16), DISCRETE_PLACE = COIL_WORDS - DISCRETE_BASE / 16;
+        (* no_rw_check *) reg [15:0] memory [0:BITS-1];
+        reg  [15:0]   bits_q;
+        wire [BW-1:0] at_bits = place[BW-1:0] + (space[0] ? DISCRETE_PLACE[BW-1:0] : COIL_PLACE[BW-1:0]);
+        integer       k;
+
+        initial for (k = 0; k < BITS; k = k + 1) memory[k] = 16'd0;
+
+        always @(posedge clk_i) begin
+          if (write && bits) memory[at_bits] <= merged;
+          bits_q <= memory[at_bits];
+        end
+
+        assign stood  = bits_q;
+        assign data   = given;
+        assign read   = bits ? stood : word_q;
+
+`ifdef FORMAL
+        // Words of coils are at the front of the memory of bits, those of discrete inputs behind them.
+        always @* if ((wb_ack_o || host_ack_o) && bits)
+          assert (at_bits == (space[0] ? COIL_WORDS + item / 16 - DISCRETE_BASE / 16 : item / 16 - COIL_BASE / 16));
+        always @(posedge clk_i) if (f_past && ack && bits && !$past(rst_i))
+          assert (at_bits == $past(at_bits) && !$past(write && bits));
+`endif
+      end
+    end else if (OVERLAY != 0) begin : gen_overlay
       wire [15:0] mask = bits ? 16'd1 << item[3:0] : 16'hFFFF;
       assign data = ((bits ? {16{given[0]}} : given) & mask) | (word_q & ~mask);
       assign read = bits ? {15'd0, word_q[item[3:0]]} : word_q;
+      assign single = read;
     end else if (BESIDE != 0) begin : gen_beside
       assign data = {given[15:1] & {15{~bits}}, given[0]};
       assign read = word_q;
+      assign single = read;
     end else begin : gen_apart
       localparam BW = $clog2(BITS);
       localparam integer COIL_PLACE = -COIL_BASE, DISCRETE_PLACE = COIL_COUNT - DISCRETE_BASE;
@@ -174,6 +232,7 @@ module modbus_bank_ram #(
 
       assign data = given;
       assign read = bits_q ? {15'd0, bit_q} : word_q;
+      assign single = read;
 
 `ifdef FORMAL
       // Coils are at the front of the memory of bits, discrete inputs behind them.
@@ -184,10 +243,6 @@ module modbus_bank_ram #(
   endgenerate
 
 `ifdef FORMAL
-  reg f_past = 1'b0;
-  always @(posedge clk_i) f_past <= 1'b1;
-  always @* if (!f_past) assume (rst_i);
-
   // The host keeps to the rules of its bus; of the line only what stands below is assumed.
   wishbone_rules u_line_rules (
     .clk_i(clk_i), .rst_i(rst_i), .cyc(wb_cyc_i), .stb(wb_stb_i), .we(wb_we_i), .adr(wb_adr_i), .dat(wb_dat_i),
@@ -240,6 +295,8 @@ module modbus_bank_ram #(
       assume ($stable(grant_space_i) && $stable(grant_first_i) && $stable(grant_last_i) && $stable(grant_write_i) &&
               $stable(grant_file_i));
     if (wb_cyc_i && wb_stb_i) assume ($stable(grant_file_i));
+    // Within a cycle the address is there a clock before a strobe that does not follow an acknowledge.
+    if ($past(wb_cyc_i && !wb_ack_o) && wb_cyc_i && wb_stb_i) assume ($stable(wb_adr_i));
   end
 
   always @* if (f_past) begin
@@ -261,7 +318,8 @@ module modbus_bank_ram #(
   wire [17:0] f_item = {2'd0, item};
   wire [31:0] f_at   = (space == `MB_SPACE_HOLDINGS || OVERLAY != 0) ? ((OVERLAY != 0 && bits) ? item / 16 : item - HOLDING_BASE)
                      : (space == `MB_SPACE_INPUTS) ? HOLDING_COUNT + item - INPUT_BASE
-                     : (space == `MB_SPACE_COILS) ? FILES_END + item - COIL_BASE
+                     : (space == `MB_SPACE_COILS) ? FILES_END + (WIDE ? item / 16 - COIL_BASE / 16 : item - COIL_BASE)
+                     : WIDE ? FILES_END + COIL_WORDS + item / 16 - DISCRETE_BASE / 16
                      : FILES_END + COIL_COUNT + item - DISCRETE_BASE;
   wire [31:0] f_record = REGISTERS + (host_q ? f_item : (f_file_q - 1) * FILE_RECORDS + item);
   always @* if (f_past && ((wb_ack_o && !checks) || host_ack_o)) begin
@@ -269,6 +327,10 @@ module modbus_bank_ram #(
     else if (!apart)              assert (at == f_at && f_at < ITEMS);
     else                          assert (f_at - FILES_END < BITS);
   end
+
+  // What a beat of bits writes back is what stood in its word, since no clock before the acknowledge has written.
+  always @(posedge clk_i) if (f_past && PACKED && ack && bits && !apart && !$past(rst_i))
+    assert (at == $past(at) && !$past(write));
 
   always @(posedge clk_i) if (f_past) begin
     cover (wb_ack_o && wb_we_i && $past(f_host_beat, 4));

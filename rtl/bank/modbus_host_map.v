@@ -15,7 +15,7 @@
 // | 40..7F  | event log, 40 the newest                                    | err   |
 // | 80      | address                                                     | yes   |
 // | 81      | bit time in clocks                                          | yes   |
-// | 82      | format, MB_FORMAT_*                                         | yes   |
+// | 82      | 1..0 format, MB_FORMAT_*; with ASCII_MODE = 1: 2 ASCII mode, 3 eight bits in it, 5..4 MB_SET_ASCII_EXTRA | yes |
 // | 83      | options: 0 broadcast, 1 gap count only, 2 strict, 3 drop late | yes |
 // | 84      | response delay in bit times                                 | yes   |
 // | 85      | stall limit in bit times                                    | yes   |
@@ -46,6 +46,7 @@ module modbus_host_map #(
   parameter integer HOST_MAP      = 1,           // 0: no space 5
   parameter integer HOST_SETTINGS = 1,           // 0: the host reads the settings, but cannot change them
   parameter integer BIT_FRACTIONS = 0,           // that of the core
+  parameter integer ASCII_MODE    = 0,           // that of the core
   parameter [`MB_SETTINGS_WIDTH-1:0]   INITIAL_SETTINGS = 0,
   parameter [`MB_HOST_STATE_WIDTH-1:0] INITIAL_STATE    = 0,
   parameter [0:0]                      INITIAL_LOCK     = 0
@@ -139,7 +140,10 @@ module modbus_host_map #(
           case (item)
             ITEM_ADDRESS:          set_q[`MB_SET_ADDRESS]             <= host_dat_i[7:0];
             ITEM_BIT_TIME:         set_q[`MB_SET_BIT_TIME]            <= host_dat_i;
-            ITEM_FORMAT:           set_q[`MB_SET_FORMAT]              <= host_dat_i[1:0];
+            ITEM_FORMAT: begin
+              set_q[`MB_SET_FORMAT] <= host_dat_i[1:0];
+              if (ASCII_MODE != 0) {set_q[`MB_SET_ASCII_EXTRA], set_q[`MB_SET_EIGHT_BITS], set_q[`MB_SET_ASCII]} <= host_dat_i[5:2];
+            end
             ITEM_OPTIONS:          set_q[OPTIONS +: 4]                <= host_dat_i[3:0];
             ITEM_DELAY:            set_q[`MB_SET_RESPONSE_DELAY]      <= host_dat_i[11:0];
             ITEM_STALL:            set_q[`MB_SET_STALL_LIMIT]         <= host_dat_i;
@@ -167,13 +171,15 @@ module modbus_host_map #(
 
   // ------------------------------------------------------------------ reading
 
+  // {further periods, eight bits, ASCII mode}
+  wire [3:0] ascii = (ASCII_MODE != 0) ? {set[`MB_SET_ASCII_EXTRA], set[`MB_SET_EIGHT_BITS], set[`MB_SET_ASCII]} : 4'd0;
   reg [15:0] setting;
 
   always @* begin
     case (item)
       ITEM_ADDRESS:          setting = {8'd0, set[`MB_SET_ADDRESS]};
       ITEM_BIT_TIME:         setting = set[`MB_SET_BIT_TIME];
-      ITEM_FORMAT:           setting = {14'd0, set[`MB_SET_FORMAT]};
+      ITEM_FORMAT:           setting = {10'd0, ascii, set[`MB_SET_FORMAT]};
       ITEM_OPTIONS:          setting = {12'd0, set[OPTIONS +: 4]};
       ITEM_DELAY:            setting = {4'd0, set[`MB_SET_RESPONSE_DELAY]};
       ITEM_STALL:            setting = set[`MB_SET_STALL_LIMIT];

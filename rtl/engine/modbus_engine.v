@@ -63,7 +63,8 @@ module modbus_engine #(
     .FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES), .MAX_READ_BITS(MAX_READ_BITS),
     .MAX_WRITE_BITS(MAX_WRITE_BITS), .MAX_READ_REGISTERS(MAX_READ_REGISTERS),
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
-    .CHECK_WRITES(CHECK_WRITES), .SERVER_ID_BYTES(SERVER_ID_BYTES), .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
+    .CHECK_WRITES(CHECK_WRITES), .ASCII_MODE(ASCII_MODE), .SERVER_ID_BYTES(SERVER_ID_BYTES),
+    .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
   ) u_program (.clk_i(clk_i), .at_i(at), .step_o(step), .entries_o(entries));
 
   modbus_sequencer #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_sequencer (
@@ -77,7 +78,8 @@ module modbus_engine #(
   );
 
   modbus_range #(
-    .HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES)
+    .HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES),
+    .BITS_PER_BEAT(BITS_PER_BEAT)
   ) u_range (
     .clk_i(clk_i), .do_i(range_do), .argument_i(argument), .space_i(space), .held_i(held), .byte_i(frame_byte),
     .count_i(count), .found_o(found), .past_end_o(past_end), .length_o(length), .moving_i(moving), .next_i(next),
@@ -86,11 +88,12 @@ module modbus_engine #(
 
   modbus_burst #(
     .HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_MASK(HAS_MASK), .HAS_INTERNAL(HAS_INTERNAL),
-    .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES)
+    .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES), .BITS_PER_BEAT(BITS_PER_BEAT)
   ) u_burst (
     .clk_i(clk_i), .rst_i(rst_i), .do_i(burst_do), .argument_i(argument[9:0]), .space_i(space),
     .status_i(status_byte), .held_o(held), .done_o(done), .fail_o(fail), .fail_code_o(fail_code),
-    .past_end_i(past_end), .at_last_i(at_last), .moving_o(moving), .next_o(next), .byte_i(frame_byte),
+    .past_end_i(past_end), .at_last_i(at_last), .first_i(first[3:0]), .last_i(grant_last_o[3:0]),
+    .fit_i(found[`MB_FOUND_FIT]), .moving_o(moving), .next_o(next), .byte_i(frame_byte),
     .put_o(burst_put), .data_o(burst_data), .step_o(burst_step), .inner_o(inner), .inner_i(inner_data),
     .waiting_o(waiting), .stall_i(stall_i), .grant_req_o(grant_req_o), .grant_ack_i(grant_ack_i),
     .exception_i(exception_i), .wb_cyc_o(wb_cyc_o), .wb_stb_o(wb_stb_o), .wb_we_o(wb_we_o), .wb_dat_o(wb_dat_o),
@@ -136,7 +139,7 @@ module modbus_engine #(
     .point_i(line_points | ram_do[`MB_DO_POINT]), .point_at_i(line_points ? 5'd0 : argument[`MB_ARG_PLACE]),
     .step_i(store | ram_do_i[`MB_RAM_NEXT] | ram_do[`MB_DO_STEP] | burst_put | burst_step | user_put),
     .clear_i(ram_do_i[`MB_RAM_OPEN] | ram_do[`MB_DO_CLEAR]),
-    .up_i(store | ram_do[`MB_DO_UP] | burst_put | user_put),
+    .up_i(store | ram_do_i[`MB_RAM_UP] | ram_do[`MB_DO_UP] | burst_put | user_put),
     .down_i(ram_do_i[`MB_RAM_NEXT] | ram_do[`MB_DO_DOWN] | burst_step),
     .keep_i(ram_do[`MB_DO_SAVE]), .recall_i(ram_do[`MB_DO_RECALL]), .peek_i(user_req_o), .peek_at_i(user_adr_i),
     .write_i(store | ram_do[`MB_DO_PUT] | burst_put | user_put),

@@ -10,7 +10,8 @@
 //   1..4    address, high byte, of the directory section for code 1, 2, 3, 4; 5..8 the low bytes
 //   9..     server identifier, additional data
 //   sections of nine-byte records, one for each object in ascending order and a last one for all others:
-//           mark (MB_TEXT_*), object, address (2), bytes (2), more follows, next object, number of objects
+//           more follows, next object, number of objects, as they stand in the answer; mark (MB_TEXT_*), object,
+//           address (2), bytes (2)
 //   objects in ascending order: object, length, value
 //
 // data_o is the byte at at_i one clock later.
@@ -228,15 +229,15 @@ module modbus_identity #(
           number = number + 1;
         end
       end
-      record[8*0 +: 8] = mark;
-      record[8*1 +: 8] = OBJECT_TEXT[8*from +: 8];
-      record[8*2 +: 8] = high(OBJECTS + from);
-      record[8*3 +: 8] = low(OBJECTS + from);
-      record[8*4 +: 8] = 8'h00;
-      record[8*5 +: 8] = low(bytes);
-      record[8*6 +: 8] = (number < left && most > 1) ? 8'hFF : 8'h00;
-      record[8*7 +: 8] = (number < left && most > 1) ? OBJECT_TEXT[8*(from+bytes) +: 8] : 8'h00;
-      record[8*8 +: 8] = low(number);
+      record[8*0 +: 8] = (number < left && most > 1) ? 8'hFF : 8'h00;
+      record[8*1 +: 8] = (number < left && most > 1) ? OBJECT_TEXT[8*(from+bytes) +: 8] : 8'h00;
+      record[8*2 +: 8] = low(number);
+      record[8*3 +: 8] = mark;
+      record[8*4 +: 8] = OBJECT_TEXT[8*from +: 8];
+      record[8*5 +: 8] = high(OBJECTS + from);
+      record[8*6 +: 8] = low(OBJECTS + from);
+      record[8*7 +: 8] = 8'h00;
+      record[8*8 +: 8] = low(bytes);
     end
   endfunction
 
@@ -252,7 +253,7 @@ module modbus_identity #(
       end
       section[8*(place + RECORD*count) +: 8*RECORD] =
         record((most == 1) ? `MB_TEXT_NONE : `MB_TEXT_LAST, 0, count, most);
-      if (most == 1) section[8*(place + RECORD*count + 1) +: 8] = 8'h00;
+      if (most == 1) section[8*(place + RECORD*count + 4) +: 8] = 8'h00;
     end
   endfunction
 

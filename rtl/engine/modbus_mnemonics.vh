@@ -343,5 +343,5 @@ function [15:0] MODE(input integer modes);
 endfunction
 localparam integer WAIT = 1 << `MB_MODE_WAIT, LISTEN = 1 << `MB_MODE_LISTEN, ACTIVE = 1 << `MB_MODE_ACTIVE,
                    EMPTY = 1 << `MB_MODE_EMPTY, REGISTER = 1 << `MB_MODE_REGISTER, OVERRUN = 1 << `MB_MODE_OVERRUN,
-                   TOO_LONG = 1 << `MB_MODE_LONG, LINE = 1 << `MB_MODE_LINE;
+                   TOO_LONG = 1 << `MB_MODE_LONG, LINE = 1 << `MB_MODE_LINE, DELIMITER = 1 << `MB_MODE_DELIMITER;
 // verilator lint_on UNUSED

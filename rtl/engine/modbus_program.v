@@ -26,6 +26,7 @@ module modbus_program #(
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
   parameter integer CHECK_WRITES        = 0,             // 1: a checking pass before every write of coils and registers
+  parameter integer ASCII_MODE          = 0,             // 1: 08H sets the delimiter of ASCII mode
   parameter integer SERVER_ID_BYTES     = 1,             // function code 11H
   parameter integer ADDITIONAL_DATA_BYTES = 0,
   parameter [7:0]   CONFORMITY          = 8'h81          // function code 2BH
@@ -66,14 +67,14 @@ module modbus_program #(
                    AT_AND_MASK = 5'd4, AT_OR_MASK = 5'd6, AT_MASK_END = 5'd8,
                    AT_SCRATCH = 5'd8,  // behind the PDU of function code 16H
                    AT_RW_WRITE = 5'd6, AT_RW_DATA = 5'd11,
-                   AT_BYTE_COUNT = 5'd2, AT_READ_DATA = 5'd3, AT_STATUS_END = 5'd3, AT_GROUPS = 5'd3,
+                   AT_BYTE_COUNT = 5'd2, AT_READ_DATA = 5'd3, AT_GROUPS = 5'd3,
                    AT_SUB = 5'd2, AT_WORD = 5'd4,
                    AT_EVENTS = 5'd5, AT_LOG = 5'd9, AT_LOG_SCRATCH = 5'd14,
                    AT_FIFO_BYTES = 5'd2, AT_FIFO = 5'd4,
-                   AT_MEI = 5'd2, AT_MEI_END = 5'd5, AT_CONFORMITY = 5'd4, AT_MORE = 5'd5, AT_NEXT = 5'd6,
-                   AT_OBJECTS = 5'd7, AT_OBJECT = 5'd8, AT_ID_WANTED = 5'd4,
+                   AT_MEI = 5'd2, AT_MEI_END = 5'd5, AT_CONFORMITY = 5'd4, AT_OBJECT = 5'd8, AT_ID_WANTED = 5'd4,
                    AT_SECTION = 5'd10, AT_SECTION_LOW = 5'd13,
-                   AT_RECORD = 5'd7;   // of the directory, see modbus_identity: the first of nine bytes
+                   // A record of the directory, see modbus_identity; its first three bytes are those of the answer.
+                   AT_RECORD = 5'd5, AT_RECORD_MARK = 5'd8, AT_RECORD_OBJECT = 5'd9, AT_RECORD_RANGE = 5'd10;
   localparam [4:0] UPPER = 5'd16;      // the upper half of the frame RAM
 
   localparam [2:0] COILS = `MB_SPACE_COILS, DISCRETES = `MB_SPACE_DISCRETES, INPUTS = `MB_SPACE_INPUTS,
@@ -94,6 +95,7 @@ module modbus_program #(
                                        FUNCTION_CODES[`MB_FC_WRITE_SINGLE_REGISTER],
                    HAS_MULTIPLE_WRITES = FUNCTION_CODES[`MB_FC_WRITE_MULTIPLE_COILS] |
                                          FUNCTION_CODES[`MB_FC_WRITE_MULTIPLE_REGISTERS],
+                   HAS_HEADS = FUNCTION_CODES[`MB_FC_READ_FIFO_QUEUE] | FUNCTION_CODES[`MB_FC_READ_EXCEPTION_STATUS],
                    HAS_DATA_ANSWERS = HAS_BIT_READS | HAS_WORD_READS |
                                       FUNCTION_CODES[`MB_FC_READ_WRITE_REGISTERS] |
                                       FUNCTION_CODES[`MB_FC_GET_EVENT_LOG] |

@@ -6,6 +6,7 @@
 // A field of the request is {held byte, byte under the cursor}.  The last address follows first address and quantity a
 // clock later, but stands still while a burst moves the first address on.  past_end_o: the range passes FFFFH, in the
 // space of files record 270FH (a clock later still).  With HAS_FILES also the file number and the length of a file answer.
+// With BITS_PER_BEAT = 16 a beat of bits is the part of the range in one word of 16 addresses.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -15,7 +16,8 @@ module modbus_range #(
   parameter integer HAS_BITS     = 1,        // coils or discrete inputs are reachable
   parameter integer HAS_WORDS    = 1,        // registers are reachable
   parameter integer HAS_LITERALS = 1,        // addresses and quantities that are not in the request
-  parameter integer HAS_FILES    = 1
+  parameter integer HAS_FILES    = 1,
+  parameter integer BITS_PER_BEAT = 1        // 1 or 16
 ) (
   input  wire        clk_i,
 
@@ -32,8 +34,8 @@ module modbus_range #(
 
   // Burst
   input  wire        moving_i,       // level : a burst is under way
-  input  wire        next_i,         // strobe: an item is through
-  output wire        at_last_o,      // level : first_o is the last item
+  input  wire        next_i,         // strobe: a beat is through
+  output wire        at_last_o,      // level : the beat from first_o on is the last one
 
   output wire [15:0] first_o,
   output wire [15:0] last_o,
@@ -46,6 +48,7 @@ module modbus_range #(
   reg        past_ffff_q, in_limit_q, fit_q;
 
   wire words = (HAS_BITS == 0) || (HAS_WORDS != 0 && space_i[2:1] != 2'b00);
+  wire [3:0] lanes = {4{BITS_PER_BEAT != 1 && !words}};     // address bits within one beat
   wire [7:0] bytes_less_one = words ? {quantity_less_one_q[6:0], 1'b1} : quantity_less_one_q[10:3];
 
   wire        set_first = (HAS_LITERALS != 0) & do_i[`MB_DO_FIRST];
@@ -56,7 +59,7 @@ module modbus_range #(
   // High byte first, or a literal with high byte 0
   wire [15:0] field     = {held_i, (set_first | set_less) ? argument_i[`MB_ARG_LITERAL] : byte_i};
   // The sum means nothing while an address is set; written so, a counter that can be loaded takes one cell a bit.
-  wire [15:0] next_first = first_q + {{15{set_address}}, 1'b1};
+  wire [15:0] next_first = {first_q[15:4], first_q[3:0] | lanes} + {{15{set_address}}, 1'b1};
 
   wire        above_limit;
   // verilator lint_off UNUSED
@@ -113,7 +116,8 @@ module modbus_range #(
 
   assign found_o[`MB_FOUND_IN_LIMIT] = in_limit_q;
   assign found_o[`MB_FOUND_FIT]      = fit_q;
-  assign at_last_o = (first_q == last_q);
+  assign at_last_o = (BITS_PER_BEAT == 1) ? (first_q == last_q)
+                   : (first_q[15:4] == last_q[15:4]) & ((first_q[3:0] == last_q[3:0]) | lanes[0]);
   assign first_o   = first_q;
   assign last_o    = last_q;
 
@@ -146,7 +150,10 @@ module modbus_range #(
               ($past({1'b0, quantity_less_one_q}) < 17'd2048 - {6'd0, $past(argument_i[10:0])}));
     if ($past(moving_i)) assert ($stable(last_q) && $stable(past_ffff_q));
     if ($past(!set_address && !next_i)) assert ($stable(first_q));
-    if ($past(next_i && !set_address))  assert (first_q == $past(first_q) + 16'd1);
+    if ($past(next_i && !set_address))
+      assert (first_q == ((BITS_PER_BEAT == 1 || $past(words)) ? $past(first_q) + 16'd1
+                                                               : {$past(first_q[15:4]) + 12'd1, 4'd0}));
+    assert (at_last_o == ((BITS_PER_BEAT == 1 || words) ? first_q == last_q : first_q / 16 == last_q / 16));
     cover (f_settled == 2'd2 && past_end_o && !f_last[16]);
     cover (found_o[`MB_FOUND_IN_LIMIT] && last_q == 16'hFFFF);
   end

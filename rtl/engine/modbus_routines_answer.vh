@@ -11,7 +11,7 @@
 `END_ROUTINE
 
 // The head of an answer up to its first length byte
-`ROUTINE(ANSWER_HEAD, HAS_DATA_ANSWERS | FUNCTION_CODES[`MB_FC_READ_FIFO_QUEUE])
+`ROUTINE(ANSWER_HEAD, HAS_DATA_ANSWERS | HAS_HEADS)
   `DO(POINT(AT_FRAME))
   `DO(WALK_UP(AT_BYTE_COUNT))
   `FALL_INTO(SENDING)
@@ -47,16 +47,6 @@
 
 `ROUTINE(DONE, 1'b1)
   `DO(REST)
-`END_ROUTINE
-
-// The answer stands in the upper half.
-`ROUTINE(SEND_UPPER, HAS_UPPER != 0)
-  `DO(SEND(UPPER))
-  if (HAS_DIAGNOSTICS != 0) begin
-    `DO(GO(TAIL))
-  end else begin
-    `DO(GO(DONE))
-  end
 `END_ROUTINE
 
 // Function code with bit 7 set, exception code (V1.1b3, clause 7); nothing in listen-only mode

@@ -5,7 +5,8 @@
 // modbus_program.
 
 // 16: function, address, AND mask, OR mask.  register' = and ? register : or, bit by bit, which is
-// ((register ^ or) & and) ^ or: one byte at a time in the scratch place, old and new under one bus cycle.
+// ((register ^ or) & and) ^ or: one byte at a time in the scratch place, old and new under one bus cycle.  The low byte
+// is still held when the burst has ended.
 `ROUTINE(MASK_WRITE, FUNCTION_CODES[`MB_FC_MASK_WRITE_REGISTER])
   `DO(ADDRESS_OF_ONE_IN(HOLDINGS))
   `DO(WALK(AT_MASK_END))
@@ -13,16 +14,15 @@
   `DO(GRANT_WRITE)
   `DO(NEXT_IF_READY)
   `DO(READ_TO_KEEP(AT_SCRATCH))
+  `DO(XOR(AT_OR_MASK + 5'd1))
+  `DO(AND(AT_AND_MASK + 5'd1))
+  `DO(XOR(AT_OR_MASK + 5'd1))
+  `DO(PUT(AT_SCRATCH + 5'd1))
   `DO(LOAD(AT_SCRATCH))
   `DO(XOR(AT_OR_MASK))
   `DO(AND(AT_AND_MASK))
   `DO(XOR(AT_OR_MASK))
   `DO(PUT(AT_SCRATCH))
-  `DO(LOAD(AT_SCRATCH + 5'd1))
-  `DO(XOR(AT_OR_MASK + 5'd1))
-  `DO(AND(AT_AND_MASK + 5'd1))
-  `DO(XOR(AT_OR_MASK + 5'd1))
-  `DO(PUT(AT_SCRATCH + 5'd1))
   `DO(POINT(AT_ADDRESS))
   `DO(ADDRESS)
   `CHECKED(AT_SCRATCH, AT_ADDRESS)

@@ -3,13 +3,11 @@
 //
 // modbus_routines_diagnostics - function codes 07 08 0B 0C; part of the listing of modbus_program.
 
-// 07: function
+// 07: function.  The status byte is the one that counts so far.
 `ROUTINE(EXCEPTION_STATUS, FUNCTION_CODES[`MB_FC_READ_EXCEPTION_STATUS])
   `DO(END)
   `DO(PUT_STATUS(`MB_STATUS_EXCEPTION, AT_CODE))
-  `DO(POINT_CLEAR(AT_FRAME))
-  `DO(WALK_UP(AT_STATUS_END))
-  `DO(GO(SENDING))
+  `DO(GO(ANSWER_HEAD))
 `END_ROUTINE
 
 // 08: function, sub-function, data.  Taking the sub-function as an address tells whether it is there, and it is
@@ -46,6 +44,10 @@
   `DO(SKIP_BYTE)
   `DO(MATCH(8'h00, `MB_EX_ILLEGAL_DATA_VALUE))
   `DO(END)
+  if (ASCII_MODE != 0) begin
+    `DO(POINT(AT_WORD))
+    `DO(MODE(DELIMITER))
+  end
   `DO(GO(ECHO))
 `END_ROUTINE
 
@@ -113,15 +115,14 @@
   `DO(FIRST({3'd0, `MB_CPT_EVENT}))
   `DO(ITEMS(2))
   `DO(READ_TO(AT_EVENTS))
-  // the log, newest entry first: their number becomes the quantity
+  // the log, newest entry first: their number becomes the quantity.  Six bytes count when it is taken: the status, the
+  // two counters.
   `DO(FIRST({3'd0, `MB_CPT_ENTRIES}))
   `DO(READ_TO(AT_LOG_SCRATCH))
   `DO(SPACE(EVENTS))
   `DO(FIRST(8'd0))
   `DO(POINT(AT_LOG_SCRATCH))
   `DO(QUANTITY(LOG_MOST))
-  `DO(POINT_CLEAR(AT_READ_DATA))
-  `DO(WALK_UP(AT_LOG))
-  `DO(READ_HERE)
+  `DO(READ_TO(AT_LOG))
   `DO(GO(ANSWER))
 `END_ROUTINE

@@ -52,7 +52,17 @@
   `DO(PUT(UPPER))
   `DO(LOAD(AT_FUNCTION))
   `DO(PUT(UPPER + AT_FUNCTION))
-  `DO(GO(SEND_UPPER))
+  `FALL_INTO(SEND_UPPER)
+`END_ROUTINE
+
+// The answer stands in the upper half.
+`ROUTINE(SEND_UPPER, HAS_UPPER != 0)
+  `DO(SEND(UPPER))
+  if (HAS_DIAGNOSTICS != 0) begin
+    `DO(GO(TAIL))
+  end else begin
+    `DO(GO(DONE))
+  end
 `END_ROUTINE
 
 // 15: function, byte count, groups.  The answer is the request.

@@ -48,24 +48,18 @@
   `LOOP
   `DO(ITEMS(9))
   `DO(READ_TO(AT_RECORD))
-  `DO(LOAD(AT_RECORD + 5'd1))
+  `DO(LOAD(AT_RECORD_OBJECT))
   `DO(POINT(AT_ID_WANTED))
   `DO(IF_EQUAL(FOUND))
   `DO(LITERAL(`MB_TEXT_MORE))
-  `DO(POINT(AT_RECORD))
+  `DO(POINT(AT_RECORD_MARK))
   `DO(IF_EQUAL(loop))
   `DO(MATCH(`MB_TEXT_LAST, `MB_EX_ILLEGAL_DATA_ADDRESS))     // no such object
-  // address and length of the objects; more, next, number; then the objects over the record
+  // address and length of the objects; then the objects over the rest of the record
   `LABEL(FOUND)
-  `DO(POINT(AT_RECORD + 5'd2))
+  `DO(POINT(AT_RECORD_RANGE))
   `DO(ADDRESS)
   `DO(QUANTITY(OBJECTS_MOST))
-  `DO(LOAD(AT_RECORD + 5'd6))
-  `DO(PUT(AT_MORE))
-  `DO(LOAD(AT_RECORD + 5'd7))
-  `DO(PUT(AT_NEXT))
-  `DO(LOAD(AT_RECORD + 5'd8))
-  `DO(PUT(AT_OBJECTS))
   `DO(LITERAL(CONFORMITY))
   `DO(PUT(AT_CONFORMITY))
   `DO(LITERAL(MEI_DEVICE_ID))

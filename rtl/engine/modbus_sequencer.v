@@ -307,6 +307,7 @@ module modbus_sequencer #(
   assign verdict_o[`MB_VERDICT_SEND]    = is_send & ~broadcast_q;
   assign verdict_o[`MB_VERDICT_QUIET]   = is_rest & ~sending_i;
   assign verdict_o[`MB_VERDICT_RESTART] = restart_q;
+  assign verdict_o[`MB_VERDICT_DELIMITER] = set_mode & argument[`MB_MODE_DELIMITER];
 
   assign ram_do_o[`MB_DO_POINT]  = is_point | places | is_send;
   assign ram_do_o[`MB_DO_CLEAR]  = (is_point | (is_burst & clock_1)) & argument[`MB_ARG_CLEAR];

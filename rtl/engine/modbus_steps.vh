@@ -130,6 +130,7 @@
 `define MB_MODE_OVERRUN    5      // clear its overrun flag
 `define MB_MODE_LONG       6      // set it if the frame had more than 256 bytes
 `define MB_MODE_LINE       7      // the line must be silent for t3.5 again
+`define MB_MODE_DELIMITER  8      // the byte under the cursor is the delimiter of ASCII mode
 
 // ------------------------------------------------------------------ entries: where the sequencer begins
 

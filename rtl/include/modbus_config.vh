@@ -16,6 +16,8 @@
   parameter integer GLITCH_FILTER       = 0,             // clocks: a shorter pulse on rxd_i is not seen, 0..255
   parameter [247:0] UNIT_SET            = 248'd0,        // bit n: address n is answered too, n in 1..247
   parameter integer UNIT_PORT           = 0,             // 1: so is one for which the host sets MB_HOST_UNIT_OURS
+  parameter integer ASCII_MODE          = 0,             // 1: ASCII mode is built in, chosen by MB_SET_ASCII
+  parameter integer ASCII_TIMEOUT_MS    = 1000,          // longest silence inside a frame of ASCII mode, in milliseconds
   parameter [127:0] FUNCTION_CODES      = `MB_ALL_FUNCTIONS,  // bit n: function code n is built in
   parameter [127:0] USER_CODES          = 128'd0,        // bit n: function code n is offered to the user first
   parameter integer MAX_READ_BITS       = 2000,          // 1..2000
@@ -24,6 +26,7 @@
   parameter integer MAX_WRITE_REGISTERS = 123,           // 1..123
   parameter integer RW_MAX_READ         = 125,           // 1..125, function code 17H
   parameter integer RW_MAX_WRITE        = 121,           // 1..121, function code 17H
+  parameter integer BITS_PER_BEAT       = 1,             // 1 or 16: coils and discrete inputs that move in one beat of the bus
   parameter integer CHECK_WRITES        = 0,             // 1: the bank checks the values of a write before the first is stored
   parameter [127:0] SERVER_ID           = 128'h09,       // function code 11H: its identifier, right-justified
   parameter integer SERVER_ID_BYTES     = 1,             // 1..16

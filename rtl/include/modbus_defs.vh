@@ -119,10 +119,13 @@
 `define MB_SET_DE_LEAD        61:58    // bit times from driver enable to the start bit
 `define MB_SET_DE_TAIL        65:62    // bit times from the last stop bit to driver off
 `define MB_SET_BIT_FRACTION   69:66    // sixteenths of a clock per bit beyond MB_SET_BIT_TIME, with BIT_FRACTIONS = 1
-`define MB_SETTINGS_WIDTH     70
+`define MB_SET_ASCII          70       // 1: ASCII mode, 0: RTU; with ASCII_MODE = 1
+`define MB_SET_EIGHT_BITS     71       // ASCII mode: 1: characters of 8 bits, 0: of 7 bits
+`define MB_SET_ASCII_EXTRA    73:72    // ASCII mode: the time-out is at least so many ASCII_TIMEOUT_MS longer
+`define MB_SETTINGS_WIDTH     74
 // A settings_i with the usual options: broadcast obeyed, driver lead of one bit, all others off
 `define MB_LINE_SETTINGS(address, bit_time, format) \
-  {4'd0, 4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
+  {4'd0, 4'd0, 4'd0, 4'd1, 16'd0, 12'd0, 4'b0001, format, bit_time, address}
 
 // State of the host: fields of host_state_i
 `define MB_HOST_BUSY             0
@@ -139,10 +142,10 @@
 `define MB_EVENT_PARITY  1   // bad frames, when they end
 `define MB_EVENT_FRAMING 2
 `define MB_EVENT_OVERRUN 3   // characters came while a request was worked on
-`define MB_EVENT_CRC     4   // the check field alone is wrong
-`define MB_EVENT_SHORT   5   // fewer than 4 bytes
-`define MB_EVENT_LONG    6   // more than 256 bytes
-`define MB_EVENT_GAP     7   // a gap above t1.5
+`define MB_EVENT_CRC     4   // the check field alone is wrong; ASCII mode: or a character that is not allowed
+`define MB_EVENT_SHORT   5   // fewer than 4 bytes, in ASCII mode than 3
+`define MB_EVENT_LONG    6   // more than 256 bytes, in ASCII mode than 513 characters
+`define MB_EVENT_GAP     7   // a gap above t1.5, in ASCII mode above the time-out
 `define MB_EVENTS_WIDTH  8
 
 // A user's reply on the user port: fields of user_reply_i
@@ -161,7 +164,7 @@
 `define MB_FRAME_BROADCAST 1   //   level with GOOD
 `define MB_FRAME_FOREIGN   2   // strobe: a good frame for another slave
 `define MB_FRAME_BAD       3   // strobe: a bad frame
-`define MB_FRAME_LONG      4   //   level with BAD: more than 256 bytes
+`define MB_FRAME_LONG      4   //   level with BAD: more bytes than a frame has
 `define MB_FRAME_WIDTH     5
 
 // What the line does in the frame RAM: strobes of ram_do
@@ -169,12 +172,14 @@
 `define MB_RAM_LOOK  1   // cursor to the first byte
 `define MB_RAM_STORE 2   // the received byte goes under the cursor; cursor and count up
 `define MB_RAM_NEXT  3   // a byte was sent: cursor up, count down
-`define MB_RAM_WIDTH 4
+`define MB_RAM_UP    4   // count up: a frame in ASCII mode has one check byte less than the engine takes off
+`define MB_RAM_WIDTH 5
 
 // What the engine tells the line: strobes of verdict
 `define MB_VERDICT_SEND    0   // send the answer that stands in the frame RAM
 `define MB_VERDICT_QUIET   1   // the frame is dealt with, nothing to send
 `define MB_VERDICT_RESTART 2   // t3.5 of silence before anything is heard again
-`define MB_VERDICT_WIDTH   3
+`define MB_VERDICT_DELIMITER 3 // the byte under the cursor ends a frame in ASCII mode, behind CR
+`define MB_VERDICT_WIDTH   4
 
 `endif

@@ -12,7 +12,7 @@
   output wire        grant_req_o,                // level until grant_ack_i or the stall limit; then forget the question
   output wire [2:0]  grant_space_o,              // MB_SPACE_*
   output wire [15:0] grant_first_o,
-  output wire [15:0] grant_last_o,               // not below the first
+  output wire [15:0] grant_last_o,               // not below the first; through the burst
   output wire        grant_write_o,
   output wire [15:0] grant_file_o,               // space 4: file number, through the burst; the items are records
   input  wire        grant_ack_i,                // strobe: the answer
@@ -23,7 +23,7 @@
   output wire        wb_stb_o,
   output wire        wb_we_o,
   output wire [18:0] wb_adr_o,                   // {space, item}
-  output wire [15:0] wb_dat_o,                   // coils: bit 0, the other bits mean nothing
+  output wire [15:0] wb_dat_o,                   // coils: bit 0, or item n in bit n mod 16, the others mean nothing
   input  wire [15:0] wb_dat_i,
   input  wire        wb_ack_i,
   input  wire        wb_err_i,

@@ -16,4 +16,7 @@
   parameter integer RESPONSE_DELAY      = 0,             // bit times before the answer, 0..4095
   parameter integer STALL_LIMIT         = 0,             // bit times a bank may be silent, 0..65535; 0: for ever
   parameter integer DE_LEAD             = 1,             // bit times from driver enable to the start bit, 0..15
-  parameter integer DE_TAIL             = 0              // bit times from the last stop bit to driver off, 0..15
+  parameter integer DE_TAIL             = 0,             // bit times from the last stop bit to driver off, 0..15
+  parameter integer ASCII               = 0,             // 1: ASCII mode, with ASCII_MODE = 1; 0: RTU
+  parameter integer ASCII_DATA_BITS     = 7,             // data bits of a character in ASCII mode, 7..8
+  parameter integer ASCII_EXTRA         = 0              // the time-out is at least so many ASCII_TIMEOUT_MS longer, 0..3

@@ -16,7 +16,7 @@
   localparam integer RATE_ERROR   = ((MISSED < 0) ? -MISSED : MISSED) / STEPS;
 
   localparam [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {
-    BIT_FRACTION[3:0], DE_TAIL[3:0], DE_LEAD[3:0], STALL_LIMIT[15:0], RESPONSE_DELAY[11:0], DROP_LATE != 0, STRICT_TURNAROUND != 0,
+    ASCII_EXTRA[1:0], ASCII_DATA_BITS == 8, ASCII != 0, BIT_FRACTION[3:0], DE_TAIL[3:0], DE_LEAD[3:0], STALL_LIMIT[15:0], RESPONSE_DELAY[11:0], DROP_LATE != 0, STRICT_TURNAROUND != 0,
     GAP_COUNT_ONLY != 0, BROADCAST != 0, FORMAT[1:0], BIT_TIME[15:0], ADDRESS[7:0]
   };
 
@@ -41,6 +41,12 @@
     end
     if (DE_LEAD < 0 || DE_LEAD > 15 || DE_TAIL < 0 || DE_TAIL > 15) begin : gen_driver
       ERROR_modbus_DE_LEAD_and_DE_TAIL_from_0_to_15 illegal_parameter ();
+    end
+    if (ASCII < 0 || ASCII > ASCII_MODE) begin : gen_ascii
+      ERROR_modbus_ASCII_is_0_or_1_and_needs_ASCII_MODE_1 illegal_parameter ();
+    end
+    if (ASCII_DATA_BITS < 7 || ASCII_DATA_BITS > 8 || ASCII_EXTRA < 0 || ASCII_EXTRA > 3) begin : gen_ascii_characters
+      ERROR_modbus_ASCII_DATA_BITS_is_7_or_8_and_ASCII_EXTRA_from_0_to_3 illegal_parameter ();
     end
     if ((BROADCAST | GAP_COUNT_ONLY | STRICT_TURNAROUND | DROP_LATE) >> 1 != 0) begin : gen_switches
       ERROR_modbus_BROADCAST_GAP_COUNT_ONLY_STRICT_TURNAROUND_DROP_LATE_are_0_or_1 illegal_parameter ();

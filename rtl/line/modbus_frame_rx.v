@@ -16,6 +16,9 @@
 // While sending_i is high this module stays in its work, so nothing is ever received while we drive the line: send_i
 // is passed on as send_stb_o during the work alone, and quiet_i and restart_i wait for nothing and are ignored then.
 //
+// With ascii_i high modbus_ascii tells where a frame begins and ends.  A start within a frame then begins it anew, the
+// first character counts with its errors although it is over when the frame begins, and t15_i alone is a gap.
+//
 // The other error strobes rise with the verdict, all that apply; CRC only when nothing else explains it.
 
 `default_nettype none
@@ -25,6 +28,7 @@ module modbus_frame_rx (
   input  wire       rst_i,
   input  wire       gap_count_only_i,
   input  wire       strict_i,        // level : strict turnaround
+  input  wire       ascii_i,         // level : ASCII mode
   input  wire       drop_late_i,     // level : no answer once the line was heard
   input  wire [7:0] address_i,
   input  wire       broadcast_en_i,
@@ -35,6 +39,8 @@ module modbus_frame_rx (
   input  wire       char_stb_i,
   input  wire       parity_error_i,
   input  wire       framing_error_i,
+  input  wire       half_i,          // level : with char_stb_i, it belongs to a byte
+  input  wire       whole_i,         // level : with char_stb_i, it completes the byte
   input  wire       crc_zero_i,
   input  wire       t15_i,
   input  wire       t35_i,
@@ -111,8 +117,8 @@ module modbus_frame_rx (
   always @* begin
     state_d = state_q;
     case (state_q)
-      // Whatever is on the line began before we listened.
-      ST_INITIAL: if (t35_i) state_d = ST_IDLE;
+      // Whatever is on the line began before we listened.  In ASCII mode `:` tells what does not.
+      ST_INITIAL: if (t35_i || ascii_i) state_d = ST_IDLE;
       // Silent: the next character is the first of a frame.
       ST_IDLE: if (start_stb_i) state_d = ST_RECEPTION;
       // Characters of one frame, until t3.5 of silence.
@@ -127,8 +133,8 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) begin
     state_q <= state_d;
-    open_q  <= (((state_q == ST_IDLE) & start_stb_i) | (foreign & heard)) & ~rst_i;
-    store_q <= reception & char_stb_i & ~full & ~rst_i;
+    open_q  <= ((((state_q == ST_IDLE) | (reception & ascii_i)) & start_stb_i) | (foreign & heard)) & ~rst_i;
+    store_q <= reception & whole_i & char_stb_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
     look_q   <= good & ~rst_i;
     check_q  <= look_q & ~rst_i;
@@ -136,16 +142,16 @@ module modbus_frame_rx (
     for_us_q  <= for_us;
     for_all_q <= for_all;
     if (open_q) begin
-      parity_q  <= 1'b0;
-      framing_q <= 1'b0;
+      parity_q  <= ascii_i & parity_error_i;
+      framing_q <= ascii_i & framing_error_i;
       long_q    <= 1'b0;
       gap_q     <= 1'b0;
     end else if (reception) begin
-      if (start_stb_i && t15_i) gap_q <= 1'b1;
+      if ((start_stb_i || ascii_i) && t15_i) gap_q <= 1'b1;
       if (char_stb_i) begin
         parity_q  <= parity_q  | parity_error_i;
         framing_q <= framing_q | framing_error_i;
-        long_q    <= long_q    | (full & ~spoiled);     // what follows a gap is not looked at
+        long_q    <= long_q    | (full & half_i & ~spoiled);     // what follows a gap is not looked at
       end
     end
     if (rst_i || (restart_i && !sending_i && !send_stb_o)) state_q <= ST_INITIAL;
@@ -175,11 +181,15 @@ module modbus_frame_rx (
   reg [2:0] f_age = 3'd7;            // clocks since the last start bit, 7 and more
   wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
 
+  reg       f_bias = 1'b0;           // ASCII mode: the frame RAM counts one byte more than there is
+  wire      f_limit = ascii_i;       // and so a frame has one byte less
+
   always @(posedge clk_i) begin
     f_past <= 1'b1;
+    f_bias <= ascii_i & ~open_stb_o;
     f_age  <= start_stb_i ? 3'd0 : (f_age == 3'd7) ? 3'd7 : f_age + 3'd1;
     if (open_stb_o) begin
-      f_clean  <= 1'b1;
+      f_clean  <= ~(ascii_i & (parity_error_i | framing_error_i));
       f_stored <= 9'd0;
     end else begin
       if (char_stb_i && (parity_error_i || framing_error_i)) f_clean <= 1'b0;
@@ -188,13 +198,17 @@ module modbus_frame_rx (
   end
 
   always @* if (!f_past) assume (rst_i);
-  always @* if (reception && !open_stb_o) assume (count_i == f_stored);   // what the frame RAM does
+  always @* if (reception && !open_stb_o) assume (count_i == f_stored + {8'd0, f_bias});   // what the frame RAM does
   always @(posedge clk_i) if (f_past) begin
-    assume ($stable(gap_count_only_i));
+    assume ($stable(gap_count_only_i) && $stable(ascii_i));
+    if (!ascii_i) assume (half_i && whole_i);
+    if (whole_i) assume (half_i);
     if (f_age != 3'd7) assume (!t35_i && !char_stb_i);          // a character lasts from its start bit on,
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
-    if ($past(char_stb_i)) assume (!char_stb_i && !t35_i);     // and long
     if (byte_i == 8'd0 || byte_i > 8'd247) assume (!also_i);   // what modbus_units does
+    if ($past(char_stb_i)) assume (!char_stb_i);               // and long
+    if ($past(char_stb_i && whole_i)) assume (!t35_i);
+    if (ascii_i && start_stb_i) assume (!char_stb_i && !t35_i);
     if (judging || good) assume (!restart_i);                  // the engine has no frame then
     if (!sending_i) assume (!sent_i && !dropped_i);            // of an answer on its way
     if ($past(rst_i))      assume (!sending_i);
@@ -204,11 +218,11 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) if (f_past) begin
     if (reception && !open_stb_o) begin
-      assert (f_stored <= 9'd256);
+      assert (f_stored <= 9'd256 - {8'd0, f_limit});
       assert (f_clean || parity_q || framing_q);
     end
     if (good) begin
-      assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 && f_stored <= 9'd256);
+      assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 - {8'd0, f_limit} && f_stored <= 9'd256 - {8'd0, f_limit});
       assert (gap_count_only_i || !gap_q);
       assert (!long_q);
       assert (!(f_error && !err_gap_o));
@@ -228,6 +242,7 @@ module modbus_frame_rx (
     if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
+    cover (ascii_i && good_stb_o && f_stored == 9'd3);
     cover (err_overrun_o);
   end
 `endif

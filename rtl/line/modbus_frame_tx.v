@@ -36,6 +36,7 @@ module modbus_frame_tx (
   // Transmitter
   output wire        valid_o,
   output wire        check_o,
+  output wire        last_o,         // level : the second check character
   input  wire        ready_i
 );
 
@@ -90,6 +91,7 @@ module modbus_frame_tx (
   assign next_stb_o    = next_q;
   assign valid_o       = (state_q == ST_DATA) | (state_q == ST_CHECK_LOW) | (state_q == ST_CHECK_HIGH);
   assign check_o       = (state_q != ST_DATA);
+  assign last_o        = (state_q == ST_CHECK_HIGH);
 
 `ifdef FORMAL
   // What an answer is: count bytes, then two check characters, the driver on around all of them, the waits respected.

@@ -13,6 +13,7 @@
 //   Resolution: half a bit for the character times, a clock for the floors.
 //
 // Waits.  While wait_clear_i is low bits are counted; wait_over_o rises a clock behind the last of wait_limit_i.
+//   With wait_ticks_i it counts ticks of 2^TICK_BITS clocks of silence instead.
 //   wait_stb_i begins a whole bit, so that the wait is not a part of one short.  A wait that runs is not disturbed by
 //   characters; a silence during one may be measured half a bit short.
 
@@ -23,7 +24,8 @@ module modbus_line_timer #(
   parameter integer MAX_BIT_TIME  = 65535,  // no bit_time_i is above it
   parameter integer BIT_FRACTIONS = 0,      // 1: fraction_i counts
   parameter integer T15_CLOCKS = 37500,     // floor of t1.5 in clocks, 0: none
-  parameter integer T35_CLOCKS = 87500      // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
+  parameter integer T35_CLOCKS = 87500,     // floor of t3.5 in clocks, 0: none; not below T15_CLOCKS
+  parameter integer TICK_BITS  = 0          // 0: wait_ticks_i is 0; else at least the bits of T35_CLOCKS
 ) (
   input  wire        clk_i,
   input  wire        rst_i,
@@ -37,17 +39,20 @@ module modbus_line_timer #(
   input  wire        restart_i,      // strobe: silence counts anew
   output wire        t15_o,          // level : silent for t1.5; still valid in the first clock of receiving_i
   output wire        t35_o,          // level : silent for t3.5
+  output wire        rest_o,         // level : the last stop bits have not ended, or a character is on the line
 
   // Waits
   input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
   input  wire        wait_clear_i,   // level : nothing is waited for
   input  wire [15:0] wait_limit_i,   // bit times
   input  wire        wait_short_i,   // level : only the low four bits of the limit count
+  input  wire        wait_ticks_i,   // level : the limit is in ticks of silence
   output wire        wait_over_o     // level : the limit is reached; with limit 0 a clock behind wait_clear_i
 );
 
   generate
-    if (T15_CLOCKS < 0 || T35_CLOCKS < T15_CLOCKS || T35_CLOCKS >= (1 << 28)) begin : gen_illegal
+    if (T15_CLOCKS < 0 || T35_CLOCKS < T15_CLOCKS || T35_CLOCKS >= (1 << 28) ||
+        (TICK_BITS != 0 && TICK_BITS < $clog2(T35_CLOCKS + 1))) begin : gen_illegal
       ERROR_modbus_line_timer_floor_of_t35_below_floor_of_t15 illegal_parameter ();
     end
   endgenerate
@@ -62,7 +67,7 @@ module modbus_line_timer #(
   wire       quarter_stb, bit_stb;
   wire [1:0] quarter;
   wire       half_stb = quarter_stb & quarter[0];
-  wire       unused   = quarter[1];
+  wire       unused   = &{1'b0, quarter[1], wait_ticks_i, tick};
 
   // Silence begins with a whole bit.  A wait that begins in this clock is a clock too late to matter.
   reg        no_wait_q = 1'b1;
@@ -94,21 +99,27 @@ module modbus_line_timer #(
     end
   end
 
-  wire t15_floor, t35_floor;
+  assign rest_o = rest;
+
+  wire t15_floor, t35_floor, tick;
 
   generate
-    if (T35_CLOCKS == 0) begin : gen_no_floor
-      wire unused_rest = rest;
+    if (T35_CLOCKS == 0 && TICK_BITS == 0) begin : gen_no_floor
+      assign tick      = 1'b0;
       assign t15_floor = 1'b1;
       assign t35_floor = 1'b1;
     end else begin : gen_floor
-      localparam W = $clog2(T35_CLOCKS + 1);
+      localparam W = (TICK_BITS != 0) ? TICK_BITS : $clog2(T35_CLOCKS + 1);
       reg [W-1:0] clocks_q = {W{1'b0}};
       reg         t15_q = 1'b0, t35_q = 1'b0;
+      wire        wraps;
+      wire [W-1:0] next;
+      assign {wraps, next} = {1'b0, clocks_q} + 1'b1;
+      assign tick = wraps;
       always @(posedge clk_i) begin
         if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
         if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
-        clocks_q <= clocks_q + 1'b1;
+        clocks_q <= next;
         if (busy || rest) begin
           clocks_q <= {W{1'b0}};
           t15_q    <= 1'b0;
@@ -141,7 +152,7 @@ module modbus_line_timer #(
   always @(posedge clk_i) begin
     over_q <= over & ~wait_clear_i;
     if (wait_clear_i)            bits_q <= 16'd0;
-    else if (bit_stb && !over_q) bits_q <= bits_q + 16'd1;
+    else if (((TICK_BITS != 0 && wait_ticks_i) ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
   end
 
   assign wait_over_o = over_q;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright (c) 2026 the project contributors
 //
-// modbus_uart - characters from the line and onto it: 8E1, 8O1, 8N2 or 8N1.
+// modbus_uart - characters from the line and onto it: 8E1, 8O1, 8N2 or 8N1, for ASCII mode the same with 7 bits.
 //
 // The line is half duplex: with enable_i low, while the driver is on, the receiver is deaf.  So receiver and
 // transmitter share the bit clock, the shift register, the bit number and the parity.
@@ -38,6 +38,7 @@ module modbus_uart #(
   input  wire [15:0] bit_time_i,
   input  wire [3:0]  fraction_i,      // sixteenths of a clock beyond bit_time_i
   input  wire [1:0]  format_i,
+  input  wire        seven_i,         // level : characters have 7 bits; data_o[7] is 0 and data_i[7] not sent
 
   // Line
   input  wire        enable_i,        // level : 0 makes the receiver deaf
@@ -75,7 +76,7 @@ module modbus_uart #(
   wire ten_bits   = (format_i == `MB_FORMAT_8N1);
 
   // Shared.  The number is that of the received bit on the line, or of the next bit to send: 0 start, 1..8 data, then
-  // parity and stop; 10 or 11 is behind the last.
+  // parity and stop; 10 or 11 is behind the last.  With 7 bits it begins one later: 1 start, 2..8 data.
   reg [3:0] number_q = 4'd0;
   reg [7:0] data_q = 8'h00;
   reg       parity_q = 1'b0;
@@ -194,8 +195,9 @@ module modbus_uart #(
     is_stop_q   <= number_q[3] & (number_q[1] | (number_q[0] & ~has_parity));
     is_behind_q <= number_q[3] & number_q[1] & (number_q[0] | ten_bits);
     // A character behind another is taken when a bit ends.
-    if (bit_stb || begin_char || begin_stb_o) number_q <= begins ? {3'd0, take} : number_q + 4'd1;
-    if (take || tx_bit || (take_bit && data_bit)) data_q <= take ? data_i : {line_q, data_q[7:1]};
+    if (bit_stb || begin_char || begin_stb_o) number_q <= begins ? {2'd0, take & seven_i, take ^ seven_i} : number_q + 4'd1;
+    if (take || tx_bit || (take_bit && data_bit)) 
+      data_q <= take ? data_i : {line_q & ~seven_i, seven_i ? line_q : data_q[7], data_q[6:1]};
     if (begins || step || (take_bit && !is_stop_q))
       parity_q <= begins ? is_odd : parity_q ^ (sends_q ? serial : line_q);
   end
@@ -235,7 +237,7 @@ module modbus_uart #(
   always @* if (!f_past) assume (rst_i);
   always @* if (enable_i) assume (!sends_q && !valid_i);                 // half duplex
   always @(posedge clk_i) if (f_past) begin
-    assume ($stable(format_i) || (idle_o && $past(idle_o) && !start_stb_o && !char_stb_o));
+    assume (($stable(format_i) && $stable(seven_i)) || (idle_o && $past(idle_o) && !start_stb_o && !char_stb_o));
     if ($past(begin_char | begin_stb_o)) assume (quarter == 2'd0 && !quarter_stb);
     else if ($past(quarter_stb))         assume (quarter == $past(quarter) + 2'd1);
     else                                 assume ($stable(quarter));
@@ -243,7 +245,12 @@ module modbus_uart #(
     assume (bit_stb == (quarter_stb && quarter == 2'd3));
   end
 
-  wire [3:0] f_number_bits = (number_q == 4'd0) ? 4'd0 : (number_q > 4'd9) ? 4'd8 : number_q - 4'd1;
+  // With 7 bits the numbers begin one later.
+  wire [3:0] f_start = {3'd0, seven_i};
+  wire [3:0] f_first = f_start + 4'd1;
+  wire [3:0] f_data_bits = 4'd8 - f_start;
+  wire [7:0] f_mask = {~seven_i, 7'h7F};
+  wire [3:0] f_number_bits = (number_q <= f_start) ? 4'd0 : (number_q > 4'd9) ? f_data_bits : number_q - f_first;
   wire [3:0] f_stop = has_parity ? 4'd10 : 4'd9;
   wire [3:0] f_behind = ten_bits ? 4'd10 : 4'd11;
   reg        f_settled = 1'b0;       // the number has stood for two clocks: the registers behind it know
@@ -253,7 +260,7 @@ module modbus_uart #(
 
   always @* begin
     f_sent_parity = is_odd;
-    for (f_i = 0; f_i < 8; f_i = f_i + 1) if (f_i + 1 < number_q) f_sent_parity = f_sent_parity ^ f_data[f_i];
+    for (f_i = 0; f_i < 8; f_i = f_i + 1) if (f_i < f_data_bits && f_i + f_first < number_q) f_sent_parity = f_sent_parity ^ f_data[f_i];
   end
 
   always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
@@ -266,19 +273,20 @@ module modbus_uart #(
     // Receiving
     if (state_q == ST_BITS) begin
       assert (number_q <= f_stop);
-      if (number_q == 4'd0) assert (decided_q);
+      if (number_q == f_start) assert (decided_q);
+      assert (number_q >= f_start);
       if (number_q == f_stop) assert (!decided_q);                   // that decision ends the character
       if (!start_stb_o && !bit_stb_q)
-        assert (f_bits == f_number_bits + ((decided_q && number_q != 4'd0 && number_q < 4'd9) ? 4'd1 : 4'd0));
+        assert (f_bits == f_number_bits + ((decided_q && number_q != f_start && number_q < 4'd9) ? 4'd1 : 4'd0));
     end
-    if (state_q == ST_START) assert (number_q == 4'd0 && !decided_q);
+    if (state_q == ST_START) assert (number_q == f_start && !decided_q);
     // Each bit is decided before its last quarter.
     if (state_q == ST_START || state_q == ST_BITS) begin
       if (quarter == 2'd3) assert (decided_q);
       if (quarter == 2'd0) assert (!decided_q);
       if (quarter == 2'd2 && $past(quarter) == 2'd2 && !decided_q) assert (may_q);
     end
-    if (char_stb_o) assert (f_bits == 4'd8);                         // never a shorter or longer one
+    if (char_stb_o) assert (f_bits == f_data_bits && (data_o & ~f_mask) == 8'd0);   // never a shorter or longer one
     if (char_stb_o) assert (framing_error_o ? state_q == ST_BREAK || !receiving_o : !receiving_o || state_q == ST_BREAK);
     assert (!(start_stb_o && char_stb_o));
     if (!$past(enable_i)) assert (!receiving_o && !start_stb_o && !char_stb_o);   // deaf
@@ -289,22 +297,22 @@ module modbus_uart #(
     assert (!(sends_q && state_q != ST_IDLE));
     if (!sends_q) assert (txd_o);                                    // rests at 1
     if (sends_q) begin
-      assert (number_q >= 4'd1 && number_q <= f_behind);
-      if (number_q == 4'd1) assert (!txd_o);                         // start bit
+      assert (number_q >= f_first && number_q <= f_behind);
+      if (number_q == f_first) assert (!txd_o);                         // start bit
       if (!f_check && number_q < 4'd10) begin
-        assert ((data_q & (8'hFF >> (number_q - 4'd1))) == (f_data >> (number_q - 4'd1)));
+        assert ((data_q & (f_mask >> (number_q - f_first))) == ((f_data & f_mask) >> (number_q - f_first)));
         assert (parity_q == f_sent_parity);
-        if (number_q != 4'd1) assert (txd_o == f_data[number_q - 4'd2]);
+        if (number_q != f_first) assert (txd_o == f_data[number_q - f_first - 4'd1]);
       end
-      if (!f_check && number_q == 4'd10 && has_parity) assert (txd_o == (^f_data ^ is_odd));
+      if (!f_check && number_q == 4'd10 && has_parity) assert (txd_o == (^(f_data & f_mask) ^ is_odd));
       if (number_q > 4'd10 || (number_q == 4'd10 && !has_parity)) assert (txd_o);   // stop bits
     end
-    if ($past(take)) assert (sends_q && number_q == 4'd1);
+    if ($past(take)) assert (sends_q && number_q == f_first);
     cover (char_stb_o && data_o == 8'hA5 && !framing_error_o && !parity_error_o);
     cover (char_stb_o && framing_error_o);
     cover (state_q == ST_IDLE && $past(state_q) == ST_START);        // a spike
     // Back to back: the stop bit of one is followed by the start bit of the next.
-    cover (sends_q && number_q == 4'd1 && $past(sends_q) && f_data == 8'hA5);
+    cover (sends_q && number_q == f_first && $past(sends_q) && f_data == 8'hA5);
   end
 `endif
 

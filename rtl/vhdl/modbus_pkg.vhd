@@ -73,7 +73,7 @@ package modbus_pkg is
   constant MB_FORMAT_8N1 : std_logic_vector(1 downto 0) := "11";
 
   -- settings_i
-  constant MB_SETTINGS_WIDTH : natural := 70;
+  constant MB_SETTINGS_WIDTH : natural := 74;
   subtype mb_settings_vector is std_logic_vector(MB_SETTINGS_WIDTH - 1 downto 0);
   function mb_settings (
     address        : std_logic_vector(7 downto 0);
@@ -87,7 +87,10 @@ package modbus_pkg is
     stall_limit    : std_logic_vector(15 downto 0) := x"0000";
     de_lead        : std_logic_vector(3 downto 0)  := x"1";
     de_tail        : std_logic_vector(3 downto 0)  := x"0";
-    bit_fraction   : std_logic_vector(3 downto 0)  := x"0"
+    bit_fraction   : std_logic_vector(3 downto 0)  := x"0";
+    ascii          : std_logic                     := '0';
+    eight_bits     : std_logic                     := '0';
+    ascii_extra    : std_logic_vector(1 downto 0)  := "00"
   ) return mb_settings_vector;
 
   -- host_state_i
@@ -149,6 +152,9 @@ package modbus_pkg is
       STALL_LIMIT           : natural                         := 0;
       DE_LEAD               : natural                         := 1;
       DE_TAIL               : natural                         := 0;
+      ASCII                 : natural                         := 0;
+      ASCII_DATA_BITS       : natural                         := 7;
+      ASCII_EXTRA           : natural                         := 0;
       COIL_BASE             : natural                         := 0;
       COIL_COUNT            : natural                         := 16;
       DISCRETE_BASE         : natural                         := 0;
@@ -170,6 +176,8 @@ package modbus_pkg is
       GLITCH_FILTER         : natural                         := 0;
       UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
       UNIT_PORT             : natural                         := 0;
+      ASCII_MODE            : natural                         := 0;
+      ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -178,6 +186,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -226,6 +235,9 @@ package modbus_pkg is
       STALL_LIMIT           : natural                         := 0;
       DE_LEAD               : natural                         := 1;
       DE_TAIL               : natural                         := 0;
+      ASCII                 : natural                         := 0;
+      ASCII_DATA_BITS       : natural                         := 7;
+      ASCII_EXTRA           : natural                         := 0;
       COIL_BASE             : natural                         := 0;
       COIL_COUNT            : natural                         := 64;
       DISCRETE_BASE         : natural                         := 0;
@@ -247,6 +259,8 @@ package modbus_pkg is
       GLITCH_FILTER         : natural                         := 0;
       UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
       UNIT_PORT             : natural                         := 0;
+      ASCII_MODE            : natural                         := 0;
+      ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -255,6 +269,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -305,6 +320,8 @@ package modbus_pkg is
       GLITCH_FILTER         : natural                         := 0;
       UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
       UNIT_PORT             : natural                         := 0;
+      ASCII_MODE            : natural                         := 0;
+      ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
       USER_CODES            : mb_codes                        := x"00000000000000000000000000000000";
       MAX_READ_BITS         : natural                         := 2000;
@@ -313,6 +330,7 @@ package modbus_pkg is
       MAX_WRITE_REGISTERS   : natural                         := 123;
       RW_MAX_READ           : natural                         := 125;
       RW_MAX_WRITE          : natural                         := 121;
+      BITS_PER_BEAT         : natural                         := 1;
       CHECK_WRITES          : natural                         := 0;
       SERVER_ID             : std_logic_vector(127 downto 0)  := x"00000000000000000000000000000009";
       SERVER_ID_BYTES       : natural                         := 1;
@@ -375,6 +393,7 @@ package modbus_pkg is
 
   component modbus_bank_ram is
     generic (
+      BITS_PER_BEAT   : natural := 1;
       CHECK_WRITES    : natural := 0;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 64;
@@ -423,6 +442,7 @@ package modbus_pkg is
 
   component modbus_bank_io is
     generic (
+      BITS_PER_BEAT   : natural := 1;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 16;
       DISCRETE_BASE   : natural := 0;
@@ -511,10 +531,13 @@ package body modbus_pkg is
     stall_limit    : std_logic_vector(15 downto 0) := x"0000";
     de_lead        : std_logic_vector(3 downto 0)  := x"1";
     de_tail        : std_logic_vector(3 downto 0)  := x"0";
-    bit_fraction   : std_logic_vector(3 downto 0)  := x"0"
+    bit_fraction   : std_logic_vector(3 downto 0)  := x"0";
+    ascii          : std_logic                     := '0';
+    eight_bits     : std_logic                     := '0';
+    ascii_extra    : std_logic_vector(1 downto 0)  := "00"
   ) return mb_settings_vector is
   begin
-    return bit_fraction & de_tail & de_lead & stall_limit & response_delay & drop_late & strict & gap_count_only & broadcast
+    return ascii_extra & eight_bits & ascii & bit_fraction & de_tail & de_lead & stall_limit & response_delay & drop_late & strict & gap_count_only & broadcast
       & format & bit_time & address;
   end function;
 

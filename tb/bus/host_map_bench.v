@@ -66,7 +66,7 @@ module host_map_bench #(
 );
 
   // 8 clocks a bit, 8E1, address 17: what the bench begins with
-  localparam [`MB_SETTINGS_WIDTH-1:0] SETTINGS = `MB_LINE_SETTINGS(8'd17, 16'd8, 2'd0) & ~(70'hF << 58);
+  localparam [`MB_SETTINGS_WIDTH-1:0] SETTINGS = `MB_LINE_SETTINGS(8'd17, 16'd8, 2'd0) & ~(74'hF << 58);
 
 `include "modbus_table_codes.vh"
 `include "modbus_bank_wires.vh"

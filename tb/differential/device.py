@@ -13,7 +13,7 @@ from protocol.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_a
 from protocol.model import characters
 
 HERE = Path(__file__).resolve().parent
-STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 40, 300
+STROBES, MAX_WRITES, MAX_ANSWER = len(ERRORS) + 1, 40, 520
 FAULTS = {None: 0, "parity": 1, "framing": 2}  # these and the next as in sim/line.h
 LINE_FAULTS = {
     -1: "an edge off the grid of bit times",
@@ -41,7 +41,8 @@ class Setup(ctypes.Structure):
         (name, ctypes.c_uint32)
         for name in (
             "address bit_time format broadcast_en gap_count_only strict_turnaround response_delay stall_limit "
-            "de_lead de_tail busy write_lock failure exception_status run_indicator diagnostic"
+            "de_lead de_tail busy write_lock failure exception_status run_indicator diagnostic "
+            "ascii eight_bits ascii_extra"
         ).split()
     ]
 
@@ -107,12 +108,12 @@ class Device:
     def setup(self, fmt, bit_time, **inputs):
         """Set the run-time inputs; what is not named is 0."""
         self.bit_time, self.character = bit_time, fmt.length * bit_time
-        setup = Setup(bit_time=bit_time, format=fmt.code, **inputs)
+        setup = Setup(bit_time=bit_time, format=fmt.code, eight_bits=int(fmt.data_bits == 8), **inputs)
         self._lib.device_setup(self._handle, ctypes.byref(setup))
 
     def later(self, clocks, fmt, bit_time, **inputs):
         """The run-time inputs as they shall be so many clocks after the end of the next line that is sent."""
-        setup = Setup(bit_time=bit_time, format=fmt.code, **inputs)
+        setup = Setup(bit_time=bit_time, format=fmt.code, eight_bits=int(fmt.data_bits == 8), **inputs)
         self._lib.device_later(self._handle, ctypes.c_uint32(clocks), ctypes.byref(setup))
 
     def reset(self):

@@ -16,11 +16,12 @@ namespace {
 
 constexpr int kStrobes = 8;   // parity framing overrun crc short long gap good, as in defs.py
 constexpr int kMaxWrites = 40;     // a 15H request has up to 27 groups
-constexpr int kMaxAnswer = 300;
+constexpr int kMaxAnswer = 520;
 
 struct Setup {
   uint32_t address, bit_time, format, broadcast_en, gap_count_only, strict_turnaround, response_delay, stall_limit,
-      de_lead, de_tail, busy, write_lock, failure, exception_status, run_indicator, diagnostic;
+      de_lead, de_tail, busy, write_lock, failure, exception_status, run_indicator, diagnostic,
+      ascii, eight_bits, ascii_extra;
 };
 
 struct Device {
@@ -59,8 +60,11 @@ struct Device {
     top.exception_status_i = s.exception_status;
     top.run_indicator_i = s.run_indicator;
     top.diagnostic_i = s.diagnostic;
+    top.ascii_i = s.ascii;
+    top.eight_bits_i = s.eight_bits;
+    top.ascii_extra_i = s.ascii_extra;
     bit_time = s.bit_time;
-    format = CharacterFormat(s.format);
+    format = CharacterFormat(s.format | (s.ascii && !s.eight_bits ? SEVEN_BITS : 0));
     monitor.set(format, bit_time);
   }
 

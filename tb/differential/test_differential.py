@@ -12,9 +12,10 @@ from collections import Counter
 import pytest
 from harness import build
 from harness.build import NO_FLOORS, config_parameters, model_config, table_parameters
-from harness.traffic import Traffic
+from harness.traffic import AsciiTraffic, Traffic
 from harness.volume import volume
-from protocol.defs import ALL_FUNCTIONS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
+from protocol import frames
+from protocol.defs import ALL_FUNCTIONS, ASCII_FORMATS, EX, EXCEPTION_FLAG, F8E1, F8N1, F8N2, F8O1, FC, LOG_SIZE, Space
 from protocol.frames import adu, text
 from protocol.model import Slave, characters
 
@@ -47,6 +48,14 @@ MAPS = {
             }
         ),
     },
+    "ascii": {
+        **NO_FLOORS,
+        **table_parameters(dict.fromkeys(list(Space)[:4], (0, 300))),
+        **config_parameters({"files": (3, 100), "user_codes": {FC.READ_HOLDINGS, 65}}),
+        "ASCII_MODE": 1,
+        "CLK_HZ": 1_000_000,
+        "ASCII_TIMEOUT_MS": 2,
+    },
     "whole": {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))},
     "overlaid": {
         **NO_FLOORS,
@@ -58,7 +67,13 @@ MAPS = {
         "UNIT_PORT": 1,
     },
 }
-SHARE = {"mapped": 0.6, "whole": 0.2, "overlaid": 0.2}
+SHARE = {"mapped": 0.5, "whole": 0.15, "overlaid": 0.15, "ascii": 0.2}
+# Sixteen bits a beat
+WIDE = {
+    "mapped": {**MAPS["mapped"], "BITS_PER_BEAT": 16, "CHECK_WRITES": 1},
+    "whole": {**MAPS["whole"], "BITS_PER_BEAT": 16},
+    "overlaid": {**MAPS["overlaid"], "BITS_PER_BEAT": 16},
+}
 SETTINGS_EVERY, COMPARE_EVERY, WHOLE_COMPARE_EVERY = 40, 250, 5_000
 COUNTERS_EVERY, RESET_EVERY = 7, 3_000
 BAD_EVENTS = {0x82, 0x92, 0xA2, 0xB2}  # in the event log
@@ -75,7 +90,8 @@ class Match:
         self.device = Device(library(parameters))
         self.parameters = parameters
         self.slave.user = user_answer
-        self.traffic = Traffic(self.rng, self.slave.config, self.slave)
+        self.ascii = bool(parameters.get("ASCII_MODE"))
+        self.traffic = (AsciiTraffic if self.ascii else Traffic)(self.rng, self.slave.config, self.slave)
         self.kinds, self.latest = Counter(), 0
         self.inputs, self.offset, self.touched = {}, 0.0, set()
         self.settings()
@@ -90,6 +106,8 @@ class Match:
         """Other run-time inputs."""
         rng, config = self.rng, self.slave.config
         self.fmt = rng.choice((F8E1, F8E1, F8O1, F8N2, F8N1))
+        if self.ascii:
+            self.fmt = rng.choice(list(ASCII_FORMATS.values()))
         self.bit_time = rng.choice((8, 8, 8, 9, 11, 16, 23))
         config.address = rng.choice((1, 17, 17, 17, 247, rng.randint(1, 247)))
         config.broadcast = rng.random() < 0.8
@@ -103,9 +121,14 @@ class Match:
             "de_lead": rng.choice((0, 0, 1, 7)),
             "de_tail": rng.choice((0, 0, 1)),
             "stall_limit": rng.choice((0, 0, 100)),  # the user may take 560 clocks
+            "ascii": int(self.ascii),
         }
+        if self.ascii:  # the frame that a fault has left open
+            self.device.idle(1.1 * build.ascii_timeout(self.parameters))
+            self.slave.fall_silent()
         self.momentary()
         _, self.t35 = build.silences(self.parameters, self.fmt, self.bit_time)
+        config.timeout = build.ascii_timeout(self.parameters) / (self.fmt.length * self.bit_time)
         self.device.idle(2 * self.t35)
 
     def momentary(self):
@@ -131,14 +154,14 @@ class Match:
 
     def step(self):
         """One line of traffic to both."""
-        if self.rng.random() < 0.02:
+        if self.rng.random() < 0.02 and not self.ascii:
             self.noise()
         self.momentary()
         line, kind = self.traffic.line()
         if self.fmt.parity is None:
             line = [(c.byte, c.gap, None if c.error == "parity" else c.error) for c in characters(line)]
         self.kinds[kind] += 1
-        expected = self.slave.request(line)
+        expected = (self.slave.hear if self.ascii else self.slave.request)(line)
         self.touched |= self.slave.touched
         patience = self.t35 + (PROCESSING_CLOCKS if expected else 16 * self.bit_time + 64)
         patience += (self.inputs["response_delay"] + self.inputs["de_lead"]) * self.bit_time
@@ -152,8 +175,8 @@ class Match:
         self.judge(seen, expected, shown)
         if self.slave.ambiguous:
             self.slave.adopt(bool(seen.errors["long"]))
-        if kind == "restart" or bytes(c.byte for c in characters(line))[1:2] == bytes([FC.DIAGNOSTICS]):
-            self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent
+        if self.ascii or kind == "restart" or bytes(c.byte for c in characters(line))[1:2] == bytes([FC.DIAGNOSTICS]):
+            self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent; ASCII hides which it was
         if self.rng.randrange(COUNTERS_EVERY) == 0:
             self.compare_counters(shown)
 
@@ -177,7 +200,8 @@ class Match:
         assert seen.writes == self.slave.written, f"{shown}: expected writes {self.slave.written}, seen {seen.writes}"
         if expected:
             # a slow sender's stop bit ends later than the receiver thinks
-            early = self.t35 + self.inputs["response_delay"] * self.bit_time - 0.5 * self.bit_time
+            early = 0 if self.ascii else self.t35
+            early += (self.inputs["response_delay"] - 0.5) * self.bit_time
             assert seen.latency >= early, f"{shown}: answered {seen.latency} clocks after the request"
             lead, tail = self.inputs["de_lead"], self.inputs["de_tail"]
             assert lead <= seen.lead / self.bit_time <= lead + 1, f"{shown}: de leads {seen.lead} clocks"
@@ -235,6 +259,47 @@ def test_compiled_slave_agrees_with_the_model(name, seed):
     match.compare(whole=True)
     print(dict(match.kinds), dict(match.slave.counts))
     assert match.slave.counts["good"] > count / 2
+    match.device.close()
+
+
+@pytest.mark.parametrize("name", WIDE)
+def test_bits_at_every_alignment(name, seed):
+    """01 02 05 0F from every address mod 16 on, sixteen bits a beat: answers, and what is in the tables afterwards."""
+    match = Match(WIDE[name], f"{seed} wide {name}")
+    rng, slave = match.rng, match.slave
+    count = max(1, round(volume("bits at every alignment") / 16))
+    print(f"seed {seed}, {16 * count} requests on map {name}")
+    for number in range(16 * count):
+        if number % SETTINGS_EVERY == 0:
+            match.settings()
+        match.momentary()
+        space = rng.choice((Space.COILS, Space.COILS, Space.DISCRETES))
+        base, size = slave.config.tables[space]
+        most = rng.choice((1, 8, 17, 40, 300, 2000))
+        place = rng.choice((0, 16 * rng.randrange(size // 16), max(0, size - most - 16)))
+        first = min(base + place + number % 16, base + size - 1)
+        quantity = rng.randint(1, max(1, min(most, base + size - first)))
+        writes = space == Space.COILS and rng.random() < 0.6
+        if writes and quantity == 1 and rng.random() < 0.5:
+            pdu = frames.write_coil(first, rng.random() < 0.5)
+        elif writes:
+            pdu = frames.write_coils(first, [rng.getrandbits(1) for _ in range(min(quantity, 1968))])
+        else:
+            pdu = frames.read(FC.READ_COILS if space == Space.COILS else FC.READ_DISCRETES, first, quantity)
+        line = adu(slave.config.address, pdu)
+        expected = slave.request(line)
+        match.touched |= slave.touched
+        seen = match.device.transfer(line, match.t35 + PROCESSING_CLOCKS, match.offset)
+        match.judge(seen, expected, text(line))
+        if number % COMPARE_EVERY == COMPARE_EVERY - 1:
+            match.compare(whole=False)
+        if number % 8 == 0 and space == Space.DISCRETES:  # the master cannot write them
+            item = base + rng.randrange(size)
+            if name != "overlaid":
+                value = rng.getrandbits(1)
+                match.device.host(space, item, value)
+                slave.memory[space, item] = value
+    match.compare(whole=name != "whole")
     match.device.close()
 
 

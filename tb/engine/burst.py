@@ -2,24 +2,33 @@
 # Copyright (c) 2026 the project contributors
 """The burst alone: a bank, a frame and a range in Python around it."""
 
+import random
+
 import cocotb
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
+from harness.bench import PARAMETERS
 from harness.steps import argument, do
 from harness.unit import clocks, settle, start
-from protocol.defs import Space
+from protocol.defs import BIT_SPACES, Space
 
 NO_CODE, FAILURE, BUSY, NO_ADDRESS = 0, 4, 6, 2
 COUNTERS, EVENTS = 5, 6  # spaces inside the core
 LIMIT = 6000  # clocks of the longest burst here
+WIDE = int(PARAMETERS.get("BITS_PER_BEAT", 1)) != 1  # sixteen bits a beat
 
 
 class Tb:
-    """`frame`: bytes from the cursor on, taken by a write, appended to by a read. `bank`: {item: value}."""
+    """`frame`: bytes from the cursor on, taken by a write, appended to by a read. `bank`: {item: value}.
+
+    With WIDE a beat of bits is what the range has in a word of 16 items; the other data bits are noise.
+    """
 
     def __init__(self, dut, waits=(0,), error_at=None, code=NO_CODE, silent_at=None):
         self.dut, self.waits, self.error_at, self.code, self.silent_at = dut, waits, error_at, code, silent_at
         self.frame, self.cursor, self.items, self.bank, self.beats = [], 0, 0, {}, []
-        self.first = self.last = 0
+        self.first = self.last = self.needed = self.put_before = 0
+        self.wide = False
+        self.random = random.Random(2)
         self.wait = 0
         self.ended = None
         cocotb.start_soon(self._around())
@@ -28,7 +37,10 @@ class Tb:
         """In each clock: what the neighbours answer to the outputs; then what they do with them at the edge."""
         dut, shown, inner_at = self.dut, None, None
         while True:
-            dut.at_last_i.value = self.first == self.last
+            dut.at_last_i.value = self.first == self.last or (self.wide and self.first >> 4 == self.last >> 4)
+            dut.first_i.value, dut.last_i.value = self.first & 15, self.last & 15
+            dut.fit_i.value = self.put_before == self.needed - 1
+            self.put_before = len(self.frame)
             dut.byte_i.value = self.frame[self.cursor] if self.cursor < len(self.frame) else 0
             dut.inner_i.value = self.bank.get(inner_at, 0xFFFF) if inner_at is not None else 0xFFFF
             dut.wb_ack_i.value = dut.wb_err_i.value = 0
@@ -49,7 +61,7 @@ class Tb:
                     dut.exception_i.value = self.code
                     dut.wb_err_i.value = 1
                 else:
-                    dut.wb_dat_i.value = self.bank.get(self.first, 0)
+                    dut.wb_dat_i.value = self.shown()
                     dut.wb_ack_i.value = 1
             await ReadOnly()
             put, data, step, next_ = (int(s.value) for s in (dut.put_o, dut.data_o, dut.step_o, dut.next_o))
@@ -61,12 +73,14 @@ class Tb:
             if ack and stb:
                 self.beats.append((self.first, we))
                 self.wait = self.waits[len(self.beats) % len(self.waits)]
-                if we:
+                if we and self.wide:
+                    self.bank |= {item: word >> (item & 15) & 1 for item in self.items_of_the_beat()}
+                elif we:
                     self.bank[self.first] = word
             if next_:
                 self.items += 1
                 assert self.first <= self.last, f"item {self.first} past the last, {self.last}"
-                self.first += 1
+                self.first += 16 - self.first % 16 if self.wide else 1
             if put:
                 self.frame.append(data)
             if step:
@@ -74,10 +88,25 @@ class Tb:
             if (done or fail) and self.ended is None:
                 self.ended = code if fail else NO_CODE
 
+    def items_of_the_beat(self):
+        """Sixteen bits a beat: those from the first on in its word, up to the last."""
+        return range(self.first, min(self.last, self.first | 15) + 1)
+
+    def shown(self):
+        """What the bank shows for the beat at hand."""
+        if not self.wide:
+            return self.bank.get(self.first, 0)
+        word = self.random.getrandbits(16)
+        for item in self.items_of_the_beat():
+            word = word & ~(1 << (item & 15)) | (self.bank.get(item, 0) & 1) << (item & 15)
+        return word
+
     async def burst(self, space, first, quantity, commands="BURST", **flags):
         """Run one burst, or with commands="GRANT" a question; the exception code it ended with, 0: done."""
         dut = self.dut
         self.first, self.last, self.ended = first, first + quantity - 1, None
+        self.wide = WIDE and space in BIT_SPACES
+        self.needed = (quantity + 7) // 8
         dut.space_i.value = space
         dut.argument_i.value = argument(**flags)
         dut.do_i.value = do(commands)
@@ -96,43 +125,59 @@ def packed(bits):
     return [sum(bit << place for place, bit in enumerate(bits[at : at + 8])) for at in range(0, len(bits), 8)]
 
 
+def beats(first, quantity):
+    """The address of each beat of bits."""
+    end = first + quantity
+    return [first, *range(first // 16 * 16 + 16, end, 16)] if WIDE else list(range(first, end))
+
+
+def alignments(first, quantity):
+    """First addresses to try: with sixteen bits a beat every one mod 16 for some quantities, and three for all."""
+    if not WIDE:
+        return (first,)
+    return range(first, first + 16) if quantity in (1, 2, 8, 9, 16, 17, 40) else (0, 65536 - quantity, first)
+
+
 async def bench(dut, **how):
-    random = await start(dut)
-    return Tb(dut, **how), random
+    rng = await start(dut)
+    return Tb(dut, **how), rng
 
 
 @cocotb.test()
 @cocotb.parametrize(waits=[(0,), (3,), (0, 1, 0, 2)])
 async def bits_are_read_packed_and_filled(dut, waits):
-    tb, random = await bench(dut, waits=waits)
+    tb, rng = await bench(dut, waits=waits)
     for quantity in (*range(1, 18), 31, 40):
-        bits = [random.getrandbits(1) for _ in range(quantity)]
-        tb.bank = {100 + n: bit | random.getrandbits(15) << 1 for n, bit in enumerate(bits)}
-        tb.frame, tb.items, tb.beats = [], 0, []
-        assert await tb.burst(Space.COILS, 100, quantity) == NO_CODE
-        assert tb.frame == packed(bits), f"{quantity} bits {bits}: {tb.frame}"
-        assert tb.beats == [(100 + n, 0) for n in range(quantity)]
+        for first in alignments(100, quantity):
+            bits = [rng.getrandbits(1) for _ in range(quantity)]
+            tb.bank = {first + n: bit | rng.getrandbits(15) << 1 for n, bit in enumerate(bits)}
+            tb.frame, tb.items, tb.beats = [], 0, []
+            assert await tb.burst(Space.COILS, first, quantity) == NO_CODE
+            assert tb.frame == packed(bits), f"{quantity} bits {bits} from {first} on: {tb.frame}"
+            assert tb.beats == [(item, 0) for item in beats(first, quantity)]
 
 
 @cocotb.test()
 @cocotb.parametrize(waits=[(0,), (3,), (0, 1, 0, 2)])
 async def bits_are_written_from_the_lowest(dut, waits):
-    tb, random = await bench(dut, waits=waits)
+    tb, rng = await bench(dut, waits=waits)
     for quantity in (*range(1, 18), 31, 40):
-        bits = [random.getrandbits(1) for _ in range(quantity)]
-        tb.bank, tb.frame, tb.cursor, tb.beats = {}, packed(bits), 0, []
-        assert await tb.burst(Space.COILS, 9, quantity, WRITE=1) == NO_CODE
-        assert [tb.bank[9 + n] & 1 for n in range(quantity)] == bits
-        assert tb.beats == [(9 + n, 1) for n in range(quantity)], "each bit once, none past the last"
-        assert tb.cursor == (quantity + 7) // 8
+        for first in alignments(9, quantity):
+            bits = [rng.getrandbits(1) for _ in range(quantity)]
+            tb.bank, tb.frame, tb.cursor, tb.beats = {}, packed(bits), 0, []
+            assert await tb.burst(Space.COILS, first, quantity, WRITE=1) == NO_CODE
+            assert [tb.bank[first + n] & 1 for n in range(quantity)] == bits, f"{quantity} bits from {first} on"
+            assert tb.beats == [(item, 1) for item in beats(first, quantity)], "each bit once, none past the last"
+            # what has left the frame behind the last byte is not used
+            assert tb.cursor == (quantity + 7) // 8 or (WIDE and tb.cursor >= (quantity + 7) // 8)
 
 
 @cocotb.test()
 @cocotb.parametrize(waits=[(0,), (3,), (0, 1, 0, 2)])
 async def registers_go_high_byte_first(dut, waits):
-    tb, random = await bench(dut, waits=waits)
+    tb, rng = await bench(dut, waits=waits)
     for quantity in (1, 2, 3, 17):
-        words = [random.getrandbits(16) for _ in range(quantity)]
+        words = [rng.getrandbits(16) for _ in range(quantity)]
         data = [byte for word in words for byte in (word >> 8, word & 0xFF)]
         tb.bank, tb.frame, tb.cursor, tb.beats = {}, [*data, 0xAA], 0, []
         assert await tb.burst(Space.HOLDINGS, 65536 - quantity, quantity, WRITE=1) == NO_CODE
@@ -199,8 +244,8 @@ async def a_dry_burst_only_passes_over_the_frame(dut):
 @cocotb.test()
 @cocotb.parametrize(space=[COUNTERS, EVENTS])
 async def memories_inside_are_read_without_the_bus(dut, space):
-    tb, random = await bench(dut)
-    tb.bank = {n: random.getrandbits(16 if space == COUNTERS else 8) for n in range(10, 15)}
+    tb, rng = await bench(dut)
+    tb.bank = {n: rng.getrandbits(16 if space == COUNTERS else 8) for n in range(10, 15)}
     assert await tb.burst(space, 10, 5) == NO_CODE
     expected = [byte for n in range(10, 15) for byte in (tb.bank[n] >> 8, tb.bank[n] & 0xFF)]
     assert tb.frame == (expected if space == COUNTERS else expected[1::2])

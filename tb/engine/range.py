@@ -3,6 +3,7 @@
 """The range: fields, limits and last address to the item, byte counts, files."""
 
 import cocotb
+from harness.bench import PARAMETERS
 from harness.steps import NUMBERS, argument, do
 from harness.unit import clocks, settle, start
 from protocol.defs import Space
@@ -51,7 +52,8 @@ async def limits_are_exact(dut, most):
 @cocotb.test()
 async def last_address_is_exact_and_never_wraps(dut):
     random = await start(dut)
-    cases = [(0, 1), (0, 65535), (1, 65535), (2, 65535), (65535, 1), (65535, 2), (65534, 2), (65411, 125), (65412, 125)]
+    cases = [(0, 1), (0, 2000), (63536, 2000), (63537, 2000), (65535, 1), (65535, 2), (65534, 2), (65411, 125)]
+    cases += [(65412, 125), (65535, 2047), (63489, 2047), (63490, 2047)]
     cases += [(random.randrange(65536), random.randrange(1, 2001)) for _ in range(200)]
     for first, quantity in cases:
         await range_of(dut, first, quantity)
@@ -95,6 +97,26 @@ async def a_burst_moves_the_first_address_alone(dut):
     assert int(dut.last_o.value) == 0xFFF4 and not int(dut.past_end_o.value)
 
 
+@cocotb.test(skip=int(PARAMETERS.get("BITS_PER_BEAT", 1)) == 1)
+@cocotb.parametrize(space=[Space.COILS, Space.DISCRETES])
+async def a_beat_of_bits_ends_with_its_word(dut, space):
+    random = await start(dut)
+    cases = [(0, 1), (15, 1), (15, 2), (0xFFFF, 1), (0xFFF0, 16), (0xFFEF, 17), (100, 2000)]
+    for first, quantity in cases + [(random.randrange(63000), random.randrange(1, 200)) for _ in range(20)]:
+        dut.moving_i.value = 0
+        await range_of(dut, first, quantity, space)
+        dut.moving_i.value = 1
+        last = first + quantity - 1
+        for at in [first, *range((first | 15) + 1, last + 1, 16)]:
+            assert int(dut.first_o.value) == at and int(dut.last_o.value) == last
+            assert int(dut.at_last_o.value) == (at | 15 >= last), f"{first} + {quantity}: at {at}"
+            dut.next_i.value = 1
+            await clocks(dut)
+            dut.next_i.value = 0
+            await settle()
+    dut.moving_i.value = 0
+
+
 @cocotb.test()
 @cocotb.parametrize(space=[Space.COILS, Space.DISCRETES, Space.INPUTS, Space.HOLDINGS])
 async def byte_count_of_the_quantity(dut, space):
@@ -113,7 +135,7 @@ async def byte_count_of_the_quantity(dut, space):
 async def records_end_at_270f(dut):
     await start(dut)
     for first, quantity in (
-        (0, 10000), (1, 10000), (LAST_RECORD, 1), (LAST_RECORD, 2), (LAST_RECORD + 1, 1), (9000, 999), (9000, 1001),
+        (8000, 2000), (8001, 2000), (LAST_RECORD, 1), (LAST_RECORD, 2), (LAST_RECORD + 1, 1), (9000, 999), (9000, 1001),
         (0x4000, 1), (0x8000, 1), (0xFFFF, 1), (0xFFFF, 2),
     ):  # fmt: skip
         last = first + quantity - 1

@@ -15,6 +15,9 @@ import cocotb
 from cocotb.triggers import First, RisingEdge, Timer
 from protocol.defs import ADDRESSES, BIT_SPACES, CHECK_SPACES, EX, SPACE_SHIFT, Space
 
+from .bench import PARAMETERS
+
+WIDE = int(PARAMETERS.get("BITS_PER_BEAT", 1)) != 1  # sixteen bits a beat
 SETTLE_PS = 1_000  # after a clock edge the outputs of the core are read, then answered
 
 
@@ -28,8 +31,8 @@ class Manner:
     refuse_second: int = 0  # the same, for the second question of a request and those behind it
     refusals: dict = field(default_factory=dict)  # the same, {number of the question: code}
     silent_grant: bool = False
-    silent_beat: int | None = None  # number of the beat in a request that is never answered
-    error_beat: int | None = None  # number of the beat answered with err
+    silent_beat: int | None = None  # number of the item in a request whose beat is never answered
+    error_beat: int | None = None  # number of the item whose beat is answered with err
     error_code: int = 0
     unacceptable: object = None  # (space, item, data): exception code of the value in a checking pass, None: acceptable
 
@@ -39,9 +42,10 @@ class Request:
     """What one request did on the bus."""
 
     questions: list = field(default_factory=list)  # (space, first, last, write), for files (.., file)
-    beats: list = field(default_factory=list)  # (write, space, item, data), for files (.., file)
+    beats: list = field(default_factory=list)  # (write, space, item, data), for files (.., file); an item each
     checks: list = field(default_factory=list)  # (space, item, data) of the beats of a checking pass
     bursts: int = 0  # times cyc rose
+    broken_at: int | None = None  # number of the first item of the beat that was answered with err
 
 
 def _waits(value):
@@ -160,7 +164,7 @@ class Bank:
                 self._strobed, self._shown = _waits(self.manner.beat_wait), access
             if access != self._shown:
                 self._fault(f"access changed from {self._shown} to {access}")
-            if self._strobed == 0 and self._beat != self.manner.silent_beat:
+            if self._strobed == 0 and not self._holds(access, self.manner.silent_beat):
                 code = self._error(access)
                 err, ack = int(code is not None), int(code is None)
                 self._take(access, err)
@@ -175,13 +179,32 @@ class Bank:
 
     def _error(self, access):
         """The code with which this beat ends with err, None: it does not."""
-        if self._beat == self.manner.error_beat:
+        if self._holds(access, self.manner.error_beat):
             return self.manner.error_code
         _write, space, item, data, _file = access
         if space in CHECK_SPACES and self.manner.unacceptable:
             table = CHECK_SPACES[space]
-            return self.manner.unacceptable(table, item, data & 1 if table in BIT_SPACES else data)
+            for place, value in self._items(table, item, data):
+                code = self.manner.unacceptable(table, place, value)
+                if code is not None:
+                    return code
         return None
+
+    def _holds(self, access, number):
+        """True if the beat moves the item of this number in the request; None is none."""
+        _write, space, item, data, _file = access
+        items = len(self._items(CHECK_SPACES.get(space, space), item, data))
+        return number is not None and self._beat <= number < self._beat + items
+
+    def _items(self, space, item, data):
+        """[(item, value), ...] of a beat: one, or with sixteen bits a beat those up to the end of word and range."""
+        data = data or 0
+        if space not in BIT_SPACES:
+            return [(item, data)]
+        if not WIDE:
+            return [(item, data & 1)]
+        last = min(int(self.dut.grant_last_o.value), item | 15)
+        return [(place, data >> (place & 15) & 1) for place in range(item, last + 1)]
 
     def _access(self):
         """(write, space, item, data or None, file or None) on the bus now."""
@@ -203,7 +226,21 @@ class Bank:
                 self._fault(f"a checking pass reads {space.name} {item}")
             if any(beat[0] for beat in self.request.beats):
                 self._fault(f"{space.name} {item} is checked behind the first write")
-        wide = space not in BIT_SPACES
+        read = 0xA5C3 if WIDE else 0xAAAA & ~1  # the unused bits of a coil are noise: the core must not look at them
+        for place, value in self._items(space, item, data):
+            value = self._take_item(write, checks, err, space, place, value, file)
+            if space in BIT_SPACES and WIDE:
+                read = read & ~(1 << (place & 15)) | value << (place & 15)
+            else:
+                read = value | read if space in BIT_SPACES else value
+        if not write:
+            self.dut.wb_dat_i.value = read
+        if err:
+            self.request.broken_at = self._beat
+        self._beat += len(self._items(space, item, data))
+
+    def _take_item(self, write, checks, err, space, item, data, file):
+        """Do one item of a beat; its value."""
         if not any(
             s == space and first <= item <= last and may_write >= write and ([file] == rest if rest else True)
             for s, first, last, may_write, *rest in self._granted
@@ -214,13 +251,10 @@ class Bank:
         data = data if write else self.memory.get(key, 0)
         if checks:
             if not err:
-                self.request.checks.append((space, item, data if wide else data & 1))
+                self.request.checks.append((space, item, data))
         elif not err:
-            beat = (write, space, item, data if wide else data & 1)
+            beat = (write, space, item, data)
             self.request.beats.append(beat if file is None else (*beat, file))
             if write:
-                self.memory[key] = data if wide else data & 1
-        if not write:
-            # the unused bits of a coil are noise: the core must look at bit 0 only
-            self.dut.wb_dat_i.value = data if wide else data | 0xAAAA & ~1
-        self._beat += 1
+                self.memory[key] = data
+        return data

@@ -9,6 +9,7 @@ every simulator; `for_simulator` writes them the way a simulator's command line 
 from protocol.defs import (
     ADDRESSES,
     ALL_FUNCTIONS,
+    ASCII_TIMEOUT_MS,
     DEFAULT_OBJECTS,
     FIRST_PRIVATE_OBJECT,
     FUNCTIONS,
@@ -234,6 +235,12 @@ def model_config(top, parameters, **changes):
         **identity_fields(parameters),
     }
     return Config(**fields | changes)
+
+
+def ascii_timeout(parameters, extra=0):
+    """The time-out of ASCII mode in clock cycles; the device is late by less than a tick (see modbus_line.v)."""
+    clk_hz = parameters.get("CLK_HZ", DEFAULT_CLK_HZ)
+    return clk_hz * parameters.get("ASCII_TIMEOUT_MS", ASCII_TIMEOUT_MS) / 1000 * (1 + extra)
 
 
 def silences(parameters, fmt, bit_time):

@@ -49,6 +49,9 @@ module core_bench #(
   assign settings[`MB_SET_DE_LEAD]        = de_lead_i;
   assign settings[`MB_SET_DE_TAIL]        = de_tail_i;
   assign settings[`MB_SET_BIT_FRACTION]   = bit_fraction_i;
+  assign settings[`MB_SET_ASCII]          = ascii_i;
+  assign settings[`MB_SET_EIGHT_BITS]     = eight_bits_i;
+  assign settings[`MB_SET_ASCII_EXTRA]    = ascii_extra_i;
 
   assign host_state[`MB_HOST_BUSY]             = busy_i;
   assign host_state[`MB_HOST_RUN]              = run_indicator_i;

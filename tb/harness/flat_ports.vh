@@ -22,6 +22,9 @@
   input  wire [3:0]  de_lead_i,
   input  wire [3:0]  de_tail_i,
   input  wire [3:0]  bit_fraction_i,
+  input  wire        ascii_i,
+  input  wire        eight_bits_i,
+  input  wire [1:0]  ascii_extra_i,
 
   // host_state_i
   input  wire        busy_i,

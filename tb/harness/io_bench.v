@@ -41,6 +41,7 @@ module io_bench #(
 
 
   modbus_bank_io #(
+    .BITS_PER_BEAT(BITS_PER_BEAT),
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i),

@@ -40,6 +40,7 @@ module slave_bench #(
 
 
   modbus_bank_ram #(
+    .BITS_PER_BEAT(BITS_PER_BEAT), .CHECK_WRITES(CHECK_WRITES),
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i), .host_cyc_i(host_cyc_i), .host_stb_i(host_stb_i),

@@ -5,6 +5,7 @@
 from collections import deque
 
 from protocol import frames
+from protocol.characters import characters
 from protocol.defs import (
     ADDRESSES,
     BIT_SPACES,
@@ -308,3 +309,49 @@ class Traffic:
     def words(self, quantity, most):
         """As many random words as asked, if a frame can carry them."""
         return [self.rng.randrange(ADDRESSES) for _ in range(min(quantity, most))]
+
+
+class AsciiTraffic(Traffic):
+    """The same in ASCII mode: characters, with faults of their own.
+
+    A frame that a fault leaves open is closed, or the next line does it.
+    """
+
+    def line(self):
+        """(line, kind)."""
+        frame, kind = super().line()
+        if kind == "garbage":
+            return bytes(self.rng.choices(b"0123456789ABCDEFabcdef:\r\n#", k=len(frame))), kind
+        body = bytes(c.byte for c in characters(frame))[:-2] if kind != "spoiled" else self._body
+        end = bytes([self.slave.ascii_delimiter & 0x7F]) if self.slave else b"\n"
+        line = frames.ascii_line(body + bytes([frames.lrc(body)]))[:-1] + end
+        return (self.spoil_ascii(line), kind) if kind == "spoiled" else (line, kind)
+
+    def spoil(self, frame):
+        """Keeps the frame: it is spoiled as characters."""
+        self._body = frame[:-2]
+        return frame
+
+    def spoil_ascii(self, line):
+        """`line` with one thing wrong."""
+        rng = self.rng
+        place = rng.randrange(1, len(line))
+        kinds = "bit character parity framing cut colon cr lrc digit long late"
+        how = rng.choice(kinds.split())
+        if how == "bit":
+            return line[:place] + bytes([line[place] ^ 1 << rng.randrange(7)]) + line[place + 1 :]
+        if how == "character":
+            return line[:place] + bytes([rng.randrange(128)]) + line[place + 1 :]
+        if how == "cut":
+            return line[:place]
+        if how in ("colon", "cr"):
+            return line[:place] + (b":" if how == "colon" else b"\r") + line[place:]
+        if how == "lrc":
+            return line[:-4] + b"%02X" % (int(line[-4:-2], 16) ^ rng.randrange(1, 256)) + line[-2:]
+        if how == "digit":
+            return line[:-2] + rng.choice((b"0", b"00")) + line[-2:]
+        if how == "long":
+            return line[:-2] + b"5" * (LONGEST_FRAME * 2 + rng.randint(-3, 20) - len(line)) + line[-2:]
+        gap = self.config.timeout * rng.choice((0.5, 1.2)) if how == "late" else 0
+        error = how if how in ("parity", "framing") else None
+        return [(byte, gap if i == place else 0, error if i == place else None) for i, byte in enumerate(line)]

@@ -20,7 +20,7 @@ def parity_bit(byte, fmt):
 
 def bits(character, fmt):
     """[level, ...] of one character, start bit first; a faulty stop bit is followed by one bit of 1."""
-    out = [START] + [(character.byte >> i) & 1 for i in range(8)]
+    out = [START] + [(character.byte >> i) & 1 for i in range(fmt.data_bits)]
     if fmt.parity:
         out.append(parity_bit(character.byte, fmt) ^ (character.error == "parity"))
     elif character.error == "parity":
@@ -125,8 +125,8 @@ def decode(edges, fmt, bit_ps, slack=0):
         where = f"character {begin // length}"
         if one[0] != START:
             raise LineError(f"{where} does not follow without a gap (or a stop bit is too long)")
-        byte = sum(bit << i for i, bit in enumerate(one[1:9]))
-        if fmt.parity and one[9] != parity_bit(byte, fmt):
+        byte = sum(bit << i for i, bit in enumerate(one[1 : 1 + fmt.data_bits]))
+        if fmt.parity and one[1 + fmt.data_bits] != parity_bit(byte, fmt):
             raise LineError(f"{where} ({byte:02X}) has wrong {fmt.parity} parity")
         if any(bit != IDLE for bit in one[length - fmt.stops :]):
             raise LineError(f"{where} ({byte:02X}) has a low stop bit")

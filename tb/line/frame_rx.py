@@ -18,7 +18,8 @@ class Receiver:
     async def start(cls, dut, silence=True, **inputs):
         self = cls()
         self.dut = dut
-        self.rng = await start(dut, crc_zero=1, t15=1, address=17, byte=17, **inputs)
+        usual = {"crc_zero": 1, "t15": 1, "address": 17, "byte": 17, "half": 1, "whole": 1}
+        self.rng = await start(dut, **usual | inputs)
         self.count, self.stored = 0, 0
         self.seen = {name: watch(dut, name) for name in STROBES}
         cocotb.start_soon(self._ram())

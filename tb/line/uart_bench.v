@@ -10,6 +10,7 @@ module uart_bench (
   input  wire        rst_i,
   input  wire [15:0] bit_time_i,
   input  wire [1:0]  format_i,
+  input  wire        seven_i,
   input  wire        enable_i,
   input  wire        rxd_i,
   output wire        txd_o,
@@ -36,7 +37,7 @@ module uart_bench (
   modbus_sync u_sync (.clk_i(clk_i), .async_i(rxd_i), .sync_o(rxd));
 
   modbus_uart u_uart (
-    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time_i), .fraction_i(4'd0), .format_i(format_i),
+    .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time_i), .fraction_i(4'd0), .format_i(format_i), .seven_i(seven_i),
     .enable_i(enable_i), .rxd_i(rxd), .txd_o(txd_o), .idle_o(idle_o),
     .receiving_o(receiving_o), .start_stb_o(start_stb_o), .char_stb_o(char_stb_o), .data_o(data_o),
     .parity_error_o(parity_error_o), .framing_error_o(framing_error_o),

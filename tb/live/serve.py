@@ -5,7 +5,10 @@
 import os
 import select
 import signal
+import socket
 import subprocess
+import sys
+import tempfile
 import termios
 import time
 import tty
@@ -15,7 +18,10 @@ from protocol import frames
 
 ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 240  # the first start of a map or an identity compiles it
-VARIABLES = ("DEVICE", "LINK", "ADDRESS", "BAUD", "PARITY", "STOP", "INIT", "MAP", "TRACE")
+VARIABLES = (
+    *("DEVICE", "LINK", "PORT", "ADDRESS", "SLAVES", "BAUD", "PARITY", "STOP", "INIT", "MAP", "TRACE", "HOLD", "FAULT"),
+    *("WEB", "TCP", "RTU_TCP", "MODE", "DATA_BITS"),
+)
 
 
 def command(**variables):
@@ -24,13 +30,22 @@ def command(**variables):
     return ["make", "serve", *[f"{name}={value}" for name, value in variables.items()]], env
 
 
-def refuse(**variables):
-    """Run `make serve` that must not start: (exit status, stderr lines other than make's own)."""
+def refuse(with_make=True, **variables):
+    """Run `make serve`, or serve.py alone, that must not start: (exit status, stderr lines other than make's own)."""
     argv, env = command(**variables)
+    if not with_make:
+        argv = [sys.executable, "sim/serve.py", *argv[2:]]
     done = subprocess.run(argv, cwd=ROOT, env=env, capture_output=True, text=True, timeout=60, check=False)
-    lines = [s for s in done.stderr.splitlines() if s.strip() and not s.startswith("make")]
-    assert "ready" not in done.stdout, done.stdout
+    lines = [s for s in done.stderr.splitlines() if s.strip() and not s.startswith(("make", "[setup]"))]
+    assert not any(s.startswith("ready ") for s in done.stdout.splitlines()), done.stdout
     return done.returncode, lines
+
+
+def free_port():
+    """A port of the loopback that nobody has."""
+    with socket.socket() as made:
+        made.bind(("127.0.0.1", 0))
+        return made.getsockname()[1]
 
 
 class Serve:
@@ -40,6 +55,8 @@ class Serve:
         self.link, self.variables = Path(link), {"LINK": str(link), **variables}
         self.baud = int(variables.get("BAUD", 19200))
         self.log = self.link.with_suffix(".log")
+        if "PORT" in variables:  # beside a device file nothing can be written
+            self.log = Path(tempfile.mkdtemp(prefix="live.")) / "port.log"
 
     def __enter__(self):
         argv, env = command(**self.variables)

@@ -40,6 +40,15 @@ BAD_VARIABLES = [
     {"DEVICE": "meter"},
     {"DEVICE": "pdm", "MAP": "coils=0+8"},
     {"INIT": "no/such/file.json"},
+    {"MAP": "coils=0+0"},
+    {"MAP": "files=4x16"},
+    {"HOLD": "-1"},
+    {"HOLD": "10001"},
+    {"HOLD": "long"},
+    {"BAUD": "28"},
+    {"BAUD": "230401"},
+    {"FAULT": "request"},
+    {"FAULT": "request flip; answer flip bit=9"},
 ]
 
 
@@ -49,6 +58,20 @@ def test_bad_variable_is_one_line_and_exit_2(folder, variables):
     assert status == 2, lines
     assert len(lines) == 1, lines
     assert not os.path.lexists(folder / "bad")
+
+
+NEAR_MISSES = {
+    "ADDR": "ADDRESS", "addr": "ADDRESS", "ADRESS": "ADDRESS", "ADDRESSE": "ADDRESS", "UNIT": "ADDRESS",
+    "BAUDRATE": "BAUD", "BAUD_RATE": "BAUD", "Baud": "BAUD", "PARTY": "PARITY", "STOPBITS": "STOP", "SLAVE": "SLAVES",
+    "LNK": "LINK", "INITIAL": "INIT", "DEVISE": "DEVICE", "FAULTS": "FAULT",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NEAR_MISSES)
+def test_name_that_is_nearly_one_of_ours_is_refused(folder, name):
+    status, lines = refuse(LINK=folder / "bad", **{name: "5"})
+    assert status == 2 and len(lines) == 1, lines
+    assert lines[0] == f"serve: {name}: unknown variable; {NEAR_MISSES[name]} is meant?"
 
 
 BAD_INIT = {

@@ -201,7 +201,7 @@ def test_request_right_behind_a_broadcast(master):
     """The device keeps it until the core has done its work, which nothing on the line shows."""
     for line in (request(frames.write_coils(0, [1] * 1024), 0), BROADCAST, FOREIGN, BAD):
         master.socket.write(line)
-        time.sleep(11 * len(line) / BAUD + 0.001)
+        time.sleep(11 * len(line) / BAUD + 0.004)
         got = master.read_coils(1, count=3, **AT)
         assert got.bits[:3] == [True] * 3, frames.text(line)
 

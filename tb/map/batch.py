@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Many generated banks in one compiled model, so that a map costs no compilation of its own.
+"""Many generated banks in one compilation, so that a map costs no compiler start of its own.
 
-The banks share one core with every function code and with checking passes. The points' inputs are slices of one
-vector, their outputs and strobes of another.
+The core is a library of its own, compiled once, with every function code and with checking passes. A bank stands behind
+a top whose ports are the same for all of them: the points' inputs are slices of one vector, their outputs and strobes
+of another.
 """
 
 import ctypes
 import hashlib
+import re
 from pathlib import Path
 
 import models
@@ -21,7 +23,7 @@ HERE = Path(__file__).resolve().parent
 PLACE = models.CACHE.parent / "map"
 ADDRESS, BIT_TIME = 17, 8
 MOST_CHANGES = 3000
-OPTIMISE = "-O0"  # a batch runs for seconds: compiling it is what takes long
+OPTIMISE = "-O0"  # a bank runs for a second: compiling it is what takes long
 
 
 def layout(device):
@@ -38,72 +40,78 @@ def layout(device):
     return inputs, outputs, strobes, max(used_in, used_out)
 
 
-def top(devices, width):
-    """Verilog of the core with all the banks."""
+def top(device, width):
+    """Verilog around the bank of a device."""
+    inputs, outputs, strobes, _ = layout(device)
     binds = []
-    for number, device in enumerate(devices):
-        inputs, outputs, strobes, _ = layout(device)
-        mine = []
-        for point in device.points:
-            if point.name in inputs:
-                mine.append(f".{port(point, 'i')}(in_i[{inputs[point.name]} +: {point.bits * point.count}])")
-            if point.name in outputs:
-                mine.append(f".{port(point, 'o')}(out_{number}[{outputs[point.name]} +: {point.bits * point.count}])")
-            if point.name in strobes:
-                mine.append(f".{port(point, 'stb_o')}(out_{number}[{strobes[point.name]} +: {point.count}])")
-        host = ""
-        if Plan(device).areas:
-            names = ("cyc", "stb", "we", "adr", "dat")
-            host = "".join(
-                f", .host_{n}_i({f'host_{n}_i & on' if n in ('cyc', 'stb') else f'host_{n}_i'})" for n in names
-            )
-            host += f", .host_dat_o(hd[{number}]), .host_ack_o(ha[{number}]), .host_err_o(he[{number}])"
-        else:
-            host = ""
-        idle = (
-            "" if Plan(device).areas else f" assign ha[{number}] = 0; assign he[{number}] = 0; assign hd[{number}] = 0;"
-        )
-        binds.append(
-            f"  wire [{width - 1}:0] out_{number}; assign outs[{number}] = out_{number};{idle}\n"
-            f"  if (1) begin : g{number} wire on = sel_i == {number};\n"
-            f"  {device.name}_bank u (.clk_i(clk_i), .rst_i(rst_i), .grant_req_i(grant_req & on), .grant_space_i(grant_space),"
-            ".grant_first_i(grant_first), .grant_last_i(grant_last), .grant_write_i(grant_write),"
-            f".grant_file_i(grant_file), .grant_ack_o(ga[{number}]), .exception_o(ex[{number}]), .wb_cyc_i(wb_cyc & on),"
-            ".wb_stb_i(wb_stb), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write),"
-            f".wb_dat_o(wd[{number}]), .wb_ack_o(wa[{number}]), .wb_err_o(we[{number}])"
-            + "".join(f", {bind}" for bind in mine)
-            + host
-            + ");\n  end"
-        )
-    count = len(devices)
-    last = count - 1
+    for point in device.points:
+        if point.name in inputs:
+            binds.append(f".{port(point, 'i')}(in_i[{inputs[point.name]} +: {point.bits * point.count}])")
+        if point.name in outputs:
+            binds.append(f".{port(point, 'o')}(out_o[{outputs[point.name]} +: {point.bits * point.count}])")
+        if point.name in strobes:
+            binds.append(f".{port(point, 'stb_o')}(out_o[{strobes[point.name]} +: {point.count}])")
+    idle = ""
+    if Plan(device).areas:
+        binds += [f".host_{name}_i(host_{name}_i)" for name in ("cyc", "stb", "we", "adr", "dat")]
+        binds += [f".host_{name}_o(host_{name}_o)" for name in ("dat", "ack", "err")]
+    else:
+        idle = "  assign host_dat_o = 16'd0; assign host_ack_o = 1'b0; assign host_err_o = 1'b0;\n"
     return f"""
-`include "modbus_defs.vh"
-module map_batch (
-  input clk_i, input rst_i, input rxd_i, output txd_o, output de_o, input [15:0] sel_i,
-  input [{width - 1}:0] in_i, output [{width - 1}:0] out_o,
-  input host_cyc_i, input host_stb_i, input host_we_i, input [18:0] host_adr_i, input [15:0] host_dat_i,
-  output [15:0] host_dat_o, output host_ack_o, output host_err_o
+module {device.name}_top (
+  input wire clk_i, input wire rst_i,
+`include "modbus_bank_ports.vh"
+  , input wire [{width - 1}:0] in_i, output wire [{width - 1}:0] out_o,
+  input wire host_cyc_i, input wire host_stb_i, input wire host_we_i, input wire [18:0] host_adr_i,
+  input wire [15:0] host_dat_i, output wire [15:0] host_dat_o, output wire host_ack_o, output wire host_err_o
 );
-`include "modbus_bank_wires.vh"
-  wire [{width - 1}:0] outs [0:{last}];
-  wire [15:0] wd [0:{last}], hd [0:{last}];
-  wire [3:0] ex [0:{last}];
-  wire [{last}:0] ga, wa, we, ha, he;
-  assign grant_ack = ga[sel_i]; assign exception = ex[sel_i]; assign wb_read = wd[sel_i]; assign wb_ack = wa[sel_i];
-  assign wb_err = we[sel_i]; assign out_o = outs[sel_i]; assign host_dat_o = hd[sel_i]; assign host_ack_o = ha[sel_i];
-  assign host_err_o = he[sel_i];
-  modbus_rtu_core #(.T15_MIN_US(0), .T35_MIN_US(0), .CHECK_WRITES(1)) u_core (
-    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o),
-    .settings_i(`MB_LINE_SETTINGS(8'd{ADDRESS}, 16'd{BIT_TIME}, 2'd3)), .host_state_i(`MB_HOST_AT_REST), .user_adr_i(8'd0),
-    .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0),
-`include "modbus_bank_core_inst.vh"
+{idle}  {device.name}_bank u_bank (
+    .clk_i(clk_i), .rst_i(rst_i),
+    .grant_req_i(grant_req_i), .grant_space_i(grant_space_i), .grant_first_i(grant_first_i),
+    .grant_last_i(grant_last_i), .grant_write_i(grant_write_i), .grant_file_i(grant_file_i),
+    .grant_ack_o(grant_ack_o), .exception_o(exception_o), .wb_cyc_i(wb_cyc_i), .wb_stb_i(wb_stb_i), .wb_we_i(wb_we_i),
+    .wb_adr_i(wb_adr_i), .wb_dat_i(wb_dat_i), .wb_dat_o(wb_dat_o), .wb_ack_o(wb_ack_o), .wb_err_o(wb_err_o){
+        "".join(f",{chr(10)}    {bind}" for bind in binds)
+    }
   );
-  generate
-{chr(10).join(binds)}
-  endgenerate
 endmodule
 """
+
+
+CORE = """
+`include "modbus_defs.vh"
+module map_core (
+  input wire clk_i, input wire rst_i, input wire rxd_i, output wire txd_o, output wire de_o,
+{ports}
+);
+  modbus_rtu_core #(.T15_MIN_US(0), .T35_MIN_US(0), .CHECK_WRITES(1)) u_core (
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o),
+    .settings_i(`MB_LINE_SETTINGS(8'd{address}, 16'd{bit_time}, 2'd3)), .host_state_i(`MB_HOST_AT_REST),
+    .user_adr_i(8'd0), .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0),
+    {binds}
+  );
+endmodule
+"""
+
+
+def of_the_core():
+    """The Verilog top around the core: its side of modbus_bank_ports.vh, which is the bank's turned round."""
+    text = (ROOT / "rtl/include/modbus_bank_ports.vh").read_text(encoding="utf-8")
+    ports = re.findall(r"^ *(input|output) +wire +(\[\w+:0\])? *(\w+)_([io]),?\s", text, re.M)
+    turned = {"input": ("output", "o"), "output": ("input", "i")}
+    lines = [f"  {turned[way][0]} wire {span} {name}_{turned[way][1]}" for way, span, name, _ in ports]
+    names = [f"{name}_{turned[way][1]}" for way, _, name, _ in ports]
+    binds = ", ".join(f".{name}({name})" for name in names)
+    return CORE.format(ports=",\n".join(lines), binds=binds, address=ADDRESS, bit_time=BIT_TIME)
+
+
+def written(name, text):
+    """Path of a file of the batch; its name tells its contents."""
+    PLACE.mkdir(parents=True, exist_ok=True)
+    stem, _, suffix = name.rpartition(".")
+    path = PLACE / f"{stem}_{hashlib.sha256(text.encode()).hexdigest()[:16]}.{suffix}"
+    path.write_text(text, encoding="utf-8")
+    return path
 
 
 class Batch:
@@ -112,30 +120,48 @@ class Batch:
     def __init__(self, devices, change=lambda text: text):
         self.devices = devices
         self.words = max(4, max((layout(d)[3] + 31) // 32 for d in devices))
-        head = '`default_nettype none\n`include "modbus_defs.vh"\n'
-        text = head + "".join(change(Bank(d).text()) for d in devices) + "`default_nettype wire\n"
-        text += top(devices, 32 * self.words)
-        PLACE.mkdir(parents=True, exist_ok=True)
-        file = PLACE / f"batch_{hashlib.sha256(text.encode()).hexdigest()[:16]}.v"
-        file.write_text(text)
         files, folders = core_files()
-        model = models.Model(
-            "map_batch",
+        folders = [ROOT / f for f in folders]
+        core = models.Model(
+            "map_core",
             HERE / "harness.cpp",
-            [*(ROOT / f for f in files), file],
-            [ROOT / f for f in folders],
+            [*(ROOT / f for f in files), written("core.v", of_the_core())],
+            folders,
+            headers=[HERE],
+        )
+        tops = {}
+        for device in devices:
+            text = '`default_nettype none\n`include "modbus_defs.vh"\n' + change(Bank(device).text())
+            tops[f"{device.name}_top"] = written(f"{device.name}.v", text + top(device, 32 * self.words))
+        (first, file), *others = tops.items()
+        classes = ["Vmodel", *(f"V{name}" for name, _ in others)]
+        glue = '#include "one_bank.h"\nextern "C" AnyBank *bank_new(int number) {\n  switch (number) {\n'
+        glue += "".join(f"    case {n}: return new OneBank<{name}>;\n" for n, name in enumerate(classes))
+        banks = models.Model(
+            first,
+            written("banks.cpp", glue + "  }\n  return nullptr;\n}\n"),
+            [file],
+            folders,
             {},
             {"WORDS": self.words},
             optimise=OPTIMISE,
+            others=dict(others),
+            headers=[HERE],
         )
-        lib = ctypes.CDLL(str(models.compiled(model)))
-        lib.device_new.restype = ctypes.c_void_p
-        self._lib, self._handle = lib, ctypes.c_void_p(lib.device_new())
+        self._lib = ctypes.CDLL(str(models.compiled(core)))
+        self._banks = ctypes.CDLL(str(models.compiled(banks)))
+        self._lib.device_new.restype = self._banks.bank_new.restype = ctypes.c_void_p
+        self._handle = ctypes.c_void_p(self._lib.device_new())
         self._answer = (ctypes.c_uint8 * 300)()
         self._changes = (ctypes.c_uint32 * (self.words * MOST_CHANGES))()
 
     def choose(self, number):
-        self._lib.device_choose(self._handle, ctypes.c_uint32(number))
+        bank = ctypes.c_void_p(self._banks.bank_new(number))
+        self._lib.device_choose(self._handle, bank, self.words)
+        self.reset()
+
+    def reset(self):
+        self._lib.device_reset(self._handle)
 
     def _array(self, value):
         return (ctypes.c_uint32 * self.words)(*[value >> 32 * n & 0xFFFFFFFF for n in range(self.words)])

@@ -2,14 +2,13 @@
 # Copyright (c) 2026 the project contributors
 """Devices for the tests of the generated RTL, made without a map file."""
 
-import dataclasses
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from modbus_map.model import WIDTHS, Device, EnumItem, Identity, Line, Point  # noqa: E402
+from modbus_map.model import WIDTHS, Device, EnumItem, File, Identity, Line, Point  # noqa: E402
 
 READS = {"coils": 1, "discrete_inputs": 2, "holding_registers": 3, "input_registers": 4}
 
@@ -75,9 +74,8 @@ def relay_box():
     )
 
 
-def drive():
+def small_drive():
     """Every kind of point: pairs, quads, floats, enums, arrays, memory, freeze, both word orders."""
-    f32 = 0x3F800000
     return device(
         "small_drive",
         [
@@ -100,7 +98,7 @@ def drive():
                 "setpoint",
                 "f32",
                 minimum=0xC0000000,
-                maximum=0x40000000 + f32 - f32,
+                maximum=0x40000000,
                 strobe=True,
             ),
             point("holding_registers", 2, "ramp", "u32", resets=(1000,), minimum=10, maximum=100000),
@@ -113,10 +111,6 @@ def drive():
             point("holding_registers", 17, "key", "u16", access="wo"),
             point("holding_registers", 100, "curve", "u16", count=100, kind="memory", resets=tuple(range(100))),
         ],
-        functions=(1, 2, 3, 4, 5, 6, 15, 16, 22, 23),
+        files=[File(4, "log", 20, "ro"), File(9, "notes", 7, "rw")],
+        functions=(1, 2, 3, 4, 5, 6, 15, 16, 20, 21, 22, 23),
     )
-
-
-def only(device_, *names):
-    """The device with these points alone."""
-    return dataclasses.replace(device_, points=tuple(p for p in device_.points if p.name in names))

@@ -37,7 +37,8 @@ def point(draw, table, name, at):
     if number:
         bits = 16 * SIZES[kind_of]
         low, high = (0, (1 << bits) - 1) if kind_of[0] == "u" else (-(1 << (bits - 1)), (1 << (bits - 1)) - 1)
-        shape = draw(st.sampled_from(("plain", "limits", "enum", "scale")))
+        whole = kind == "memory" and bits > 16  # limits are for whole values, and memory has words
+        shape = draw(st.sampled_from(("plain", "scale") if whole else ("plain", "limits", "enum", "scale")))
         if shape == "limits":
             low, high = sorted((draw(st.integers(low, high)), draw(st.integers(low, high))))
             made.update(min=low, max=high)

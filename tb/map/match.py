@@ -6,7 +6,6 @@ from modbus_map.model import SPACES
 from protocol.defs import Space
 from protocol.frames import text
 
-from map import random_maps
 from map.batch import ADDRESS, layout
 from map.oracle import SPACE_OF, Oracle
 
@@ -18,14 +17,23 @@ SILENT = 9_000
 class Match:
     """Number `number` of a batch, and its oracle."""
 
-    def __init__(self, batch, number, rng):
-        self.batch, self.device, self.rng = batch, batch.devices[number], rng
+    def __init__(self, batch, number):
+        self.batch, self.device = batch, batch.devices[number]
         self.inputs_at, self.outputs_at, self.strobes_at, _ = layout(self.device)
-        self.oracle = Oracle(self.device, ADDRESS)
-        self.pending = {}  # coil: the two snapshots one of which it has taken
-        batch.choose(number)
         self.wires = [p for p in self.device.points if p.kind == "wire"]
-        self.compare_outputs(batch.outputs(), "behind the reset")
+        batch.choose(number)
+
+    def begin(self, rng):
+        """Reset of both; `rng` makes the values of wires and of the host. Memory keeps what it holds."""
+        self.rng = rng
+        kept = {} if not hasattr(self, "oracle") else self.oracle.values
+        records = {} if not hasattr(self, "oracle") else self.oracle.records
+        self.oracle = Oracle(self.device, ADDRESS)
+        in_memory = {p.name for p in self.device.points if p.kind == "memory"}
+        self.oracle.values |= {key: raw for key, raw in kept.items() if key[0] in in_memory}
+        self.oracle.records = records
+        self.batch.reset()
+        self.compare_outputs(self.batch.outputs(), "behind the reset")
 
     def item_of(self, vector, at, point, item):
         return vector >> (at[point.name] + item * point.bits) & ((1 << point.bits) - 1)
@@ -48,10 +56,9 @@ class Match:
         self.oracle.values |= live
         self.oracle.wire = pair[0]
 
-    def step(self):
-        rng, oracle = self.rng, self.oracle
-        frame = random_maps.request(rng, self.device, ADDRESS)
-        self.settle()
+    def step(self, frame):
+        """A request to both."""
+        oracle = self.oracle
         self.new_inputs(still=frame[1] not in (1, 2, 3, 4, 5, 15))
         before = dict(oracle.values)
         oracle.strobes = []
@@ -96,9 +103,6 @@ class Match:
         if code <= 2:
             return [data[n // 8] >> n % 8 & 1 for n in range(quantity)]
         return [int.from_bytes(data[n : n + 2], "big") for n in range(0, len(data), 2)]
-
-    def settle(self):
-        """Nothing is open: the next request may begin."""
 
     def settle_snapshots(self, before):
         """A snapshot is of one moment, but of which is known only to the device: read it back."""

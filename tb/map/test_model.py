@@ -4,9 +4,10 @@
 
 import json
 import os
+import re
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import jsonschema
@@ -347,13 +348,19 @@ def test_reference_map_is_built(tmp_path, name):
 
 
 def test_energy_meter_takes_less_than_two_seconds(tmp_path):
-    best = 99.0
-    for _ in range(3):
-        began = time.monotonic()
+    """Of a processor's time: others may want it too."""
+
+    def used():
+        children = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return children.ru_utime + children.ru_stime
+
+    taken = []
+    for _ in range(2):
+        before = used()
         done = modbus("build", MAPS["energy_meter"], "-o", tmp_path / "out")
         assert done.returncode == 0, done.stderr
-        best = min(best, time.monotonic() - began)
-    assert best < 2, f"{best:.2f} s"
+        taken.append(used() - before)
+    assert min(taken) < 2, f"{min(taken):.2f} s"
 
 
 # ------------------------------------------------------------------ CSV
@@ -390,7 +397,49 @@ def test_tables_of_the_reference_are_current():
 
 
 def test_first_map_of_the_document_is_right():
-    text = (ROOT / "docs/map.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/first_device.md").read_text(encoding="utf-8")
     first = text.split("```yaml\n", 1)[1].split("```", 1)[0]
     device, notes = checks.compile_source(loader.parse(first, "first"))
     assert notes == [] and len(first.splitlines()) <= 11 and len(device.points) == 4
+
+
+# ------------------------------------------------------------------ the command
+
+
+def test_old_packages_are_told_in_one_line(tmp_path):
+    """Packages of another version than tools/requirements/map.txt names are not used; this stands in for a bad .venv."""
+    place = tmp_path / "pydantic-1.10.2.dist-info"
+    place.mkdir()
+    (place / "METADATA").write_text("Metadata-Version: 2.1\nName: pydantic\nVersion: 1.10.2\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, ROOT / "tools/modbus", "map", "check", MAPS["drive"]],
+        env={**os.environ, "PYTHONPATH": str(tmp_path), "MODBUS_MAP_INSTALLED": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert re.search(r"lacks pydantic \S+ \(here 1\.10\.2\); run make map", done.stderr), done.stderr
+
+
+def test_additional_data_as_a_text_is_as_long_as_the_schema_says():
+    for length, good in ((249, True), (250, False)):
+        tree = {"device": "box", "identity": {"additional_data": "x" * length}, "coils": [{"at": 0, "name": "a"}]}
+        assert VALIDATOR.is_valid(tree) is good
+        text = f"device: box\nidentity: {{additional_data: {'x' * length}}}\ncoils: [{{at: 0, name: a}}]\n"
+        try:
+            assert len(device_of(text).identity.additional_data) == length and good
+        except loader.MapError as error:
+            assert not good and "250 bytes do not fit; 1 to 249" in str(error.diagnostics[0])
+
+
+@pytest.mark.parametrize("text", ["?", "? a", ":", ":?", "- a", "-", "a: b", "#", "{", "'", '"', "a # b", "~", "=", "%"])
+def test_texts_that_look_like_yaml_come_back(place, text):
+    """From the map to a map file and to SystemRDL, and back."""
+    tree = {"device": "box", "title": text, "doc": text, "coils": [{"at": 0, "name": "a", "doc": text}]}
+    tree["holding_registers"] = [{"at": 1, "name": "b", "unit": text, "enum": {1: text}, "reset": 1}]
+    device = device_of(written(tree))
+    assert device_of(dump.text(device)) == device
+    (name, made), *_ = rdl.generate(device).items()
+    (place / name).write_text(made, encoding="utf-8")
+    assert importer.load(place / name) == device

@@ -4,10 +4,13 @@
 
 import ast
 import csv
+import dataclasses
 import json
+import os
 import shutil
 import struct
 import subprocess
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -15,6 +18,8 @@ import pytest
 import tomllib
 import voluptuous as vol
 import yaml
+from modbus_map.checks import load_device
+from modbus_map.model import TABLES
 from modbus_map.outputs import tags
 
 from map.output_devices import EVERYTHING, RELAY_BOX, SAMPLES
@@ -201,6 +206,31 @@ def test_home_assistant(device):
         assert set(seen) == readable(device) | written_only
 
 
+HOME_ASSISTANT_WHEEL = os.environ.get("HOMEASSISTANT", "")
+WRONG = [("data_type: uint16", "data_type: uint17"), ("parity: ", "parity: X #"), ("address: ", "adress: ")]
+
+
+@pytest.mark.skipif(
+    not HOME_ASSISTANT_WHEEL,
+    reason="HOMEASSISTANT=wheel, from `pip download --no-deps homeassistant==2024.3.3`, is not given",
+)
+def test_home_assistant_by_its_own_schema():
+    """The schema of the program itself takes all samples and reference maps, and refuses what is wrong."""
+
+    def judged(text):
+        command = [sys.executable, Path(__file__).parent / "home_assistant.py", HOME_ASSISTANT_WHEEL]
+        return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+
+    maps = sorted((Path(__file__).parents[2] / "examples").glob("*/*.yaml"))
+    for device in (RELAY_BOX, EVERYTHING, *(load_device(path)[0] for path in maps)):
+        done = judged(tags.home_assistant(device))
+        assert done.returncode == 0, f"{device.name}: {done.stderr}"
+    good = tags.home_assistant(EVERYTHING)
+    for old, new in WRONG:
+        done = judged(good.replace(old, new, 1))
+        assert done.returncode == 1 and "Traceback" not in done.stderr, f"{new}: {done.stderr}"
+
+
 # ---------------------------------------------------------------- Web of Things, MBMap: their JSON Schemas
 
 
@@ -263,6 +293,53 @@ def test_mbmap(device):
                 number = unpacked(entry["type"], bytes_of(part, entry.get("wordOrder") == "little"))
                 value = pytest.approx(number * entry.get("scale", 1) + entry.get("offset", 0), rel=1e-12)
             assert values[entry["name"]] == value, entry["name"]
+
+
+# ---------------------------------------------------------------- a device that answers short requests only
+
+
+def test_no_request_is_longer_than_the_map_allows():
+    """`core: {MAX_READ_REGISTERS: ..., ...}` of the map holds for every program that polls."""
+    few = {"MAX_READ_REGISTERS": 6, "MAX_WRITE_REGISTERS": 4, "MAX_READ_BITS": 3, "MAX_WRITE_BITS": 2}
+    device = dataclasses.replace(EVERYTHING, core=tuple((dict(EVERYTHING.core) | few).items()))
+    most = {
+        table: few["MAX_READ_BITS" if table in ("coils", "discrete_inputs") else "MAX_READ_REGISTERS"]
+        for table in TABLES
+    }
+    names = {"coil": "coils", "discrete": "discrete_inputs", "holding": "holding_registers", "input": "input_registers"}
+    seen = set()
+    for request in TELEGRAF(tomllib.loads(tags.telegraf(device)))["inputs"]["modbus"][0]["request"]:
+        ends = []
+        for field in request["fields"]:
+            kind = field.get("type", "BIT")
+            size = field["length"] if kind == "STRING" else max(1, int(kind.lstrip("BUINTFLOA") or 1) // 16)
+            ends.append((field["address"], field["address"] + size))
+            seen.add(field["name"])
+        assert max(end for _, end in ends) - min(at for at, _ in ends) <= most[names[request["register"]]]
+    fits = {
+        f"{p.name}_{k}" if p.is_array else p.name
+        for p in device.points
+        if p.readable and p.width <= most[p.table]
+        for k in range(p.count)
+    }
+    assert seen == fits
+    entities = {name: table for table, name in tags.WOT_ENTITY.items()}
+    thing = json.loads(tags.web_of_things(device))
+    jsonschema.Draft7Validator(schema("td-1.1.json")).validate(thing)
+    covered = set()
+    for about in thing["properties"].values():
+        form = about["forms"][0]
+        table = entities[form["modv:entity"]]
+        at, quantity = (int(n) for n in form["href"].split("/")[2].split("?quantity="))
+        covered |= {(table, a) for a in range(at, at + quantity)}
+        if "readproperty" in form["op"]:
+            assert quantity <= most[table]
+        if "writeproperty" in form["op"]:
+            assert quantity <= few["MAX_WRITE_BITS" if table == "coils" else "MAX_WRITE_REGISTERS"]
+    for point in device.points:
+        limit = most[point.table] if point.readable else 4
+        for item in range(point.count if point.width <= limit else 0):
+            assert {(point.table, a) for a in point.addresses(item)} <= covered, point.name
 
 
 # ---------------------------------------------------------------- modpoll

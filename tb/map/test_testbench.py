@@ -3,13 +3,13 @@
 """test_NAME.py as a user runs it: whole tops in Icarus. It passes as made, and fails with a mistake in NAME.v."""
 
 import os
-import random
 import re
 import subprocess
 import sys
 
 import pytest
 from harness.runner import PRODUCTS, ROOT
+from harness.volume import volume
 from modbus_map.checks import compile_source, load_device
 from modbus_map.loader import parse
 from modbus_map.outputs import testbench, verilog
@@ -18,7 +18,6 @@ from map import random_maps
 from map.output_devices import EVERYTHING
 
 REFERENCE = {path.stem: path for path in sorted(ROOT.glob("examples/*/*.yaml"))}
-RANDOM = 3  # random devices in Icarus; thousands in test_random_maps.py
 ODD = """
 device: odd
 line: {address: 200, format: 8O1, run_time: true}
@@ -79,9 +78,10 @@ def test_every_part_is_played():
     assert set(re.findall(r"^async def (\w+)\(dut", text, re.M)) == {*played, *everything}
 
 
-@pytest.mark.parametrize("number", range(RANDOM))
+@pytest.mark.parametrize("number", range(volume("random maps in Icarus")))
 def test_random_map_passes(number, seed):
-    passes(random_maps.random_device(random.Random(f"bench {seed} {number}"), f"random_{number}"), f"random_{number}")
+    (device,) = random_maps.devices(1000 * seed + number, 1, f"random_{number}_")
+    passes(device, f"random_{number}")
 
 
 MISTAKES = [  # (map, text of NAME.v, what stands there instead, the test that fails)
@@ -90,9 +90,11 @@ MISTAKES = [  # (map, text of NAME.v, what stands there instead, the test that f
     ("relay_box", "item = temperature_i", "item = temperature_i | 16'd1", "inputs_are_read"),
     ("relay_box", "ordered > most", "ordered >= most", "writes_reach_their_outputs"),
     ("relay_box", "ordered < least", "1'b0", "limits_are_kept"),
-    ("relay_box", "3'd2: {exists, high} = {1'b1, 16'd0};", "3'd2: {exists, high} = {1'b1, 16'd1};", "gaps_are_empty"),
+    ("relay_box", "MB_SPACE_INPUTS}: {exists, high} = {1'b1, 16'd0};", "MB_SPACE_INPUTS}: {exists, high} = {1'b1, 16'd1};",
+     "gaps_are_empty"),
     ("relay_box", "FUNCTION_CODES(128'h8000001807E)", "FUNCTION_CODES(128'h8000041807E)", "other_functions_are_refused"),
-    ("drive", "3'd0: {low, high} = {16'd0, 16'd2};", "3'd0: {low, high} = {16'd0, 16'd3};", "rights_are_kept"),
+    ("drive", "{1'b0, `MB_SPACE_COILS}: {low, high} = {16'd0, 16'd2};",
+     "{1'b0, `MB_SPACE_COILS}: {low, high} = {16'd0, 16'd3};", "rights_are_kept"),
     ("drive", "speed_frozen_q <= speed_i;", "speed_frozen_q <= wb_cyc_i ? speed_i : 32'd0; speed_frozen_q <= speed_i + 1;",
      "snapshots_are_of_one_moment"),
     ("drive", "closes  = tail |", "closes  = 1'b1 |", "writes_reach_their_outputs"),
@@ -109,7 +111,9 @@ def test_mistake_is_seen(name, old, new, case):
         assert text.count(old) >= 1, f"`{old}` is not in {name}.v"
         return text.replace(old, new, 1)
 
-    status, results, said = bench_of(load_device(REFERENCE[name])[0], f"{name}_{MISTAKES.index((name, old, new, case))}", plant, case)
+    status, results, said = bench_of(
+        load_device(REFERENCE[name])[0], f"{name}_{MISTAKES.index((name, old, new, case))}", plant, case
+    )
     assert status == 1 and results == {case: False}, said[-3000:]
 
 
@@ -117,5 +121,7 @@ def test_one_line_without_the_core(tmp_path):
     device, _ = load_device(REFERENCE["relay_box"])
     (tmp_path / "test_relay_box.py").write_text(testbench.generate(device)["test_relay_box.py"], encoding="utf-8")
     settings = {name: value for name, value in os.environ.items() if name != "MODBUS_RTU"}
-    done = subprocess.run([sys.executable, tmp_path / "test_relay_box.py"], env=settings, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "test_relay_box.py"], env=settings, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "MODBUS_RTU is not set" in done.stderr

@@ -144,7 +144,7 @@ module multidrop_bench #(
         .clk_i(clk_i), .rst_i(rst_i), .rxd_i(line), .txd_o(txd[n]), .de_o(de[n]), .address_i(address_i[8*n +: 8]),
         .bit_time_i(bit_time_i[16*n +: 16]), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
         .strict_turnaround_i(1'b0), .drop_late_i(1'b0), .response_delay_i(12'd0), .stall_limit_i(16'd0), .de_lead_i(de_lead_i[4*n +: 4]),
-        .de_tail_i(de_tail_i[4*n +: 4]), .bit_fraction_i(4'd0), .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0),
+        .de_tail_i(de_tail_i[4*n +: 4]), .bit_fraction_i(4'd0), .ascii_i(1'b0), .eight_bits_i(1'b0), .ascii_extra_i(2'd0), .busy_i(1'b0), .failure_i(4'd0), .exception_status_i(8'd0),
         .run_indicator_i(1'b1), .diagnostic_i(16'd0), .write_lock_i(1'b0), .host_cyc_i(host_cyc_i && here),
         .host_stb_i(host_stb_i && here), .host_we_i(host_we_i), .host_adr_i(host_adr_i), .host_dat_i(host_dat_i),
         .host_dat_o(host_dat[16*n +: 16]), .host_ack_o(host_ack[n]), .host_err_o(host_err[n]), .user_req_o(),

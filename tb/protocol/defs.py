@@ -277,16 +277,17 @@ REFERENCE_FILES = (4, 256)  # files, records of each
 
 @dataclass(frozen=True)
 class Format:
-    """A character format: code on `format_i`, parity 'even', 'odd' or None, stop bits."""
+    """A character format: code on `format_i`, parity 'even', 'odd' or None, stop bits, data bits."""
 
     code: int
     name: str
     parity: str | None
     stops: int
+    data_bits: int = 8
     length: int = field(init=False)
 
     def __post_init__(self):
-        object.__setattr__(self, "length", 1 + 8 + (self.parity is not None) + self.stops)
+        object.__setattr__(self, "length", 1 + self.data_bits + (self.parity is not None) + self.stops)
 
 
 F8E1 = Format(0, "8E1", "even", 1)
@@ -295,6 +296,14 @@ F8N2 = Format(2, "8N2", None, 2)
 F8N1 = Format(3, "8N1", None, 1)
 FORMATS = (F8E1, F8O1, F8N2, F8N1)
 FORMAT_BY_NAME = {f.name: f for f in FORMATS}
+F7E1, F7O1, F7N2, F7N1 = (Format(f.code, f.name.replace("8", "7"), f.parity, f.stops, 7) for f in FORMATS)
+ASCII_FORMATS = {f.name: f for f in (F7E1, F7O1, F7N2, F7N1, *FORMATS)}  # those of ASCII mode
+
+# ASCII mode (MODBUS over Serial Line V1.02, clause 2.5.2)
+COLON, CARRIAGE_RETURN = 0x3A, 0x0D
+HEXADECIMAL = b"0123456789ABCDEF"
+SHORTEST_ASCII, LONGEST_ASCII = 3, 255  # bytes: address, function code, LRC; address, PDU, LRC
+ASCII_TIMEOUT_MS = 1000
 
 # The error strobes of the core, without err_ and _o.
 ERRORS = ("parity", "framing", "overrun", "crc", "short", "long", "gap")

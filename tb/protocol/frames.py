@@ -46,6 +46,22 @@ def check(frame):
     return len(frame) >= 2 and crc16(frame) == 0
 
 
+def lrc(data):
+    """LRC of `data`: the two's complement of the sum of its bytes."""
+    return -sum(data) & 0xFF
+
+
+def ascii_line(data):
+    """The characters that carry `data`, which ends with its LRC, in ASCII mode."""
+    return b":" + bytes(data).hex().upper().encode() + b"\r\n"
+
+
+def ascii_adu(address, pdu):
+    """The characters of the frame that carries `pdu` to or from slave `address` in ASCII mode."""
+    body = bytes([address]) + bytes(pdu)
+    return ascii_line(body + bytes([lrc(body)]))
+
+
 def bad_crc(frame, flip=0x0001):
     """`frame` with the bits of `flip` (16 bits, low byte first on the line) turned in its CRC."""
     frame = bytearray(frame)

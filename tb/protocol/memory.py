@@ -39,6 +39,7 @@ class Config:
     gap_count_only: bool = False
     t15: float = T15_CHARACTERS  # in character times
     t35: float = T35_CHARACTERS
+    timeout: float = float("inf")  # of ASCII mode, in character times
     files: tuple = REFERENCE_FILES  # (files, records of each)
     server_id: bytes = b"\x09"
     additional_data: bytes = b""

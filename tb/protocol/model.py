@@ -6,10 +6,12 @@ Written from MODBUS Application Protocol V1.1b3 and MODBUS over Serial Line V1.0
 RTL. One call of `Slave.request` is everything the line carries between two silences of t3.5.
 """
 
-from collections import Counter, namedtuple
+from collections import Counter
 
 from . import frames, identity
 from .access import DataAccess
+from .ascii import Receiver
+from .characters import Character, characters
 from .defs import (
     BROADCAST,
     ERRORS,
@@ -29,11 +31,6 @@ from .memory import REGISTER_BITS, Config, Memory
 __all__ = ["REGISTER_BITS", "Character", "Config", "Memory", "Refused", "Slave", "characters", "split"]
 
 
-# One character on the line: `gap` is the silence before it in character times, `error` is
-# None, "parity" or "framing".
-Character = namedtuple("Character", "byte gap error", defaults=(0.0, None))
-
-
 def split(line, t35):
     """`line` cut at every silence of `t35` characters or more: what `Slave.request` takes."""
     pieces = [[]]
@@ -42,11 +39,6 @@ def split(line, t35):
             pieces.append([])
         pieces[-1].append(character)
     return pieces
-
-
-def characters(line):
-    """Any mix of bytes and (byte, gap, error) tuples as a list of Character."""
-    return [Character(c) if isinstance(c, int) else Character(*c) for c in line]
 
 
 class Slave(DataAccess):
@@ -78,6 +70,7 @@ class Slave(DataAccess):
         self.run_indicator = True
         self.user = None
         self.diagnostics = Diagnostics(self.config.has_diagnostics)
+        self.ascii = Receiver(self.config, self.diagnostics)
         self.counts = Counter()
         self.errors, self.allowed, self.good, self.ambiguous = set(), set(), False, False
         self._functions |= {
@@ -92,6 +85,7 @@ class Slave(DataAccess):
     def reset(self):
         """What rst_i does: counters, log, diagnostic register and listen-only mode; memory stays."""
         self.diagnostics.reset()
+        self.ascii.reset()
         self.ambiguous = False
 
     # ------------------------------------------------------------------ what diagnostics holds
@@ -142,6 +136,10 @@ class Slave(DataAccess):
         """What sub-function 0003 has set; unused in RTU mode."""
         return self.diagnostics.delimiter
 
+    @ascii_delimiter.setter
+    def ascii_delimiter(self, character):
+        self.diagnostics.delimiter = character
+
     # ------------------------------------------------------------------ the frame
 
     def request(self, line):
@@ -154,14 +152,54 @@ class Slave(DataAccess):
         self.errors, self.allowed = self._judge(characters(line))
         self.good = not (self.errors - ({"gap"} if self.config.gap_count_only else set()))
         self.ambiguous = not self.good and "long" in self.allowed
-        self.counts.update(self.errors)
         if not self.good:
-            self.diagnostics.bad_frame("long" in self.errors)
+            self._bad()
             return None
+        self.counts.update(self.errors)
+        frame = bytes(c.byte for c in characters(line))
+        answer = self._good(frame[0], frame[1:-2])
+        return None if answer is None else frames.adu(frame[0], answer)
+
+    def hear(self, line):
+        """Play characters in ASCII mode; the characters of the answer, or None.
+
+        `line` is bytes, or a list of bytes and (byte, gap in characters, error), and may be a part of a frame or
+        several; the gap of its first character counts.  Of several frames only the last may be answered (ValueError).
+        `good` is the number of good ones, `errors` and `allowed` are those of all.
+        """
+        return self._ended(self.ascii.take(characters(line)))
+
+    def fall_silent(self):
+        """ASCII mode: the line is silent for longer than the time-out."""
+        return self._ended(self.ascii.silence())
+
+    def _ended(self, ended):
+        """Play the frames that `ended` yields."""
+        self.written, self.touched, self.ambiguous = [], set(), False
+        must, may, good, answer = set(), set(), 0, None
+        for data, errors, allowed in ended:
+            if answer is not None:
+                raise ValueError("a frame behind one that is answered")
+            self.errors, self.allowed = errors, allowed
+            must, may = must | errors, may | allowed
+            if data is None:
+                self._bad()
+                continue
+            good += 1
+            pdu = self._good(data[0], data[1:])
+            answer = None if pdu is None else frames.ascii_adu(data[0], pdu)
+        self.errors, self.allowed, self.good = must, may - must, good
+        return answer
+
+    def _bad(self):
+        """A bad frame has ended."""
+        self.counts.update(self.errors)
+        self.diagnostics.bad_frame("long" in self.errors)
+
+    def _good(self, address, pdu):
+        """The answer PDU to a good frame, or None."""
         self.counts["good"] += 1
         self.diagnostics.good_frame()
-        frame = bytes(c.byte for c in characters(line))
-        address, pdu = frame[0], frame[1:-2]
         if not self._for_us(address):
             return None
         self.counts["for_us"] += 1
@@ -169,8 +207,7 @@ class Slave(DataAccess):
         if self.listen_only:
             self.diagnostics.unheard(pdu, address == BROADCAST)
             return None
-        answer = self._answer(pdu, address == BROADCAST)
-        return None if answer is None else frames.adu(address, answer)
+        return self._answer(pdu, address == BROADCAST)
 
     def adopt(self, long):
         """Settle an ambiguous bad frame: `long` tells whether the device took it for too long."""

@@ -178,6 +178,11 @@ def pdm():
     return [v for v in document()["vectors"] if v["mode"] == "rtu" and v["playable"] and _needs_pdm(v)]
 
 
+def in_ascii():
+    """The vectors of ASCII mode."""
+    return [v for v in document()["vectors"] if v["mode"] == "ascii" and v["playable"]]
+
+
 def pdm_record(vector):
     """The twelve bytes of the event record that a vector of pdm() presumes."""
     return next(bytes(e["values"]) for e in vector["preconditions"] if e["table"] == PDM_RECORD)
@@ -185,14 +190,12 @@ def pdm_record(vector):
 
 def unplayable(functions=ALL_FUNCTIONS):
     """[(vector, reason), ...] of all others."""
-    played = {v["id"] for v in playable(functions) + pdm()}
+    played = {v["id"] for v in playable(functions) + pdm() + in_ascii()}
     out = []
     for vector in document()["vectors"]:
         if vector["id"] in played:
             continue
-        if vector["mode"] != "rtu":
-            reason = "ASCII mode"
-        elif not vector["playable"]:
+        if not vector["playable"]:
             reason = vector["notes"]
         else:
             reason = "function left out"

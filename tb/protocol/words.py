@@ -114,7 +114,7 @@ def request_pdu(pdu):
             )
         if code in REQUESTS:
             return REQUESTS[code](pdu)
-    except (struct.error, IndexError):
+    except (struct.error, IndexError, ValueError):
         return f"{function_name(code)}, but the length does not fit"
     return f"{function_name(code)} (function {code:02X})"
 
@@ -152,7 +152,7 @@ def answer_pdu(asked, pdu):
             return "done: " + span(function.space, *struct.unpack(">HH", pdu[1:]))
         if code in ANSWERS:
             return ANSWERS[code](asked, pdu)
-    except (struct.error, IndexError):
+    except (struct.error, IndexError, ValueError):
         return f"answer to {function_name(code)}, but the length does not fit"
     return f"answer to {function_name(code)}: {text(pdu[1:])}"
 

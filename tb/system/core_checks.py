@@ -3,7 +3,7 @@
 """CHECK_WRITES: the bank judges every value of a write before the first one is stored."""
 
 import cocotb
-from harness.bank import Bank
+from harness.bank import WIDE, Bank
 from harness.bench import CLOCK_PS, Bench
 from protocol import frames
 from protocol.defs import BROADCAST, EX, FC, Space
@@ -83,7 +83,9 @@ async def one_value_that_is_refused_stops_the_whole_write(dut, code):
             assert answer and answer.data == expected, f"{shown}: seen {answer and frames.text(answer.data)}"
             assert tb.bank.memory == before, f"{shown}: something was stored"
             assert not any(beat[0] for beat in tb.bank.request.beats), f"{shown}: {tb.bank.request.beats}"
-            assert tb.bank.request.checks == [(space, first + n, values[n]) for n in range(place)], shown
+            checked = len(tb.bank.request.checks)  # with sixteen bits a beat those of the beats before
+            assert checked == place or (WIDE and space == Space.COILS and checked <= place < checked + 16), shown
+            assert tb.bank.request.checks == [(space, first + n, values[n]) for n in range(checked)], shown
             assert not int(dut.wb_cyc_o.value), f"{shown}: cyc stays up"
     tb.bank.begin()
     answer = await tb.query(frames.adu(OWN, frames.read(FC.READ_HOLDINGS, 0, 1)))

@@ -6,7 +6,12 @@ from protocol.defs import F8E1
 
 from .device import Device
 
-BUILDS = {"basic": {"FULL": 0, "MORE": 0}, "full": {"FULL": 1, "MORE": 0}, "more": {"FULL": 1, "MORE": 1}}
+BUILDS = {
+    "basic": {"FULL": 0, "MORE": 0},
+    "full": {"FULL": 1, "MORE": 0},
+    "more": {"FULL": 1, "MORE": 1},
+    "wide": {"FULL": 1, "MORE": 0, "WIDE": 1},
+}
 CLK_HZ = 50_000_000
 BIT_115200 = 434  # clocks per bit at 115200 baud
 FEW = 16  # clocks per bit of the fast links

@@ -53,6 +53,7 @@ class Request:
     before: object = lambda quantity: ()
     quick: bool = True  # neither bits nor file records
     shown: str = ""  # a quantity in words, if not by its numbers
+    wide: bool = False  # with BITS_PER_BEAT = 16
 
     def size(self, quantity):
         """A quantity in words."""
@@ -105,6 +106,13 @@ OBJECT_READS = {
 }
 
 BITS_READ = {"words": "{0} + {1} a bit, + {2} − r if the last byte has only r bits", "parts": bits_read, "quick": False}
+A_WORD_OF_BITS = {
+    "words": "{0} + {1} for each 16 bits begun",
+    "parts": lambda quantity: (-(-quantity // 16),),
+    "shown": "{0}",
+    "quick": False,
+    "wide": True,
+}
 A_REGISTER = {"words": "{0} + {1} a register", "parts": one}
 A_RECORD = {
     "words": "{0} + {1} a group + {2} a register",
@@ -122,6 +130,13 @@ def sub(number, *data):
 REQUESTS = (
     Request("01", lambda n: frames.read(FC.READ_COILS, 0, n), (1, 7, 8, 9, 100, 2000), **BITS_READ),
     Request("02", lambda n: frames.read(FC.READ_DISCRETES, 0, n), (1, 7, 8, 2000), **BITS_READ),
+    Request(
+        "01, 16 bits a beat",
+        lambda n: frames.read(FC.READ_COILS, 0, n),
+        (1, 7, 8, 9, 16, 17, 100, 2000),
+        **A_WORD_OF_BITS,
+    ),
+    Request("02, 16 bits a beat", lambda n: frames.read(FC.READ_DISCRETES, 0, n), (1, 40, 2000), **A_WORD_OF_BITS),
     Request("03", lambda n: frames.read(FC.READ_HOLDINGS, 0, n), (1, 2, 60, 125), **A_REGISTER),
     Request("04", lambda n: frames.read(FC.READ_INPUTS, 0, n), (1, 125), **A_REGISTER),
     Request("05", lambda n: frames.write_coil(0, True), (1,)),
@@ -139,6 +154,9 @@ REQUESTS = (
         "0C", lambda n: frames.bare(FC.GET_EVENT_LOG), (1, 2, 64), "{0} + {1} an event", parts=one, before=fill_log
     ),
     Request("0F", lambda n: frames.write_coils(0, BITS[:n]), (1, 7, 8, 9, 1968), "{0} + {1} a bit", one, quick=False),
+    Request(
+        "0F, 16 bits a beat", lambda n: frames.write_coils(0, BITS[:n]), (1, 9, 17, 100, 1968), **A_WORD_OF_BITS
+    ),
     Request("10", lambda n: frames.write_registers(0, WORDS[:n]), (1, 2, 123), **A_REGISTER),
     Request("11", lambda n: frames.bare(FC.REPORT_SERVER_ID), (None,)),
     Request("14", read_records, ((1, 1), (1, 2), (2, 2), (2, 60), (1, 121), (35, 87)), **A_RECORD),

@@ -12,6 +12,7 @@ module timing_top #(
   parameter FLOORS = 1,              // 0: t1.5 and t3.5 without floors
   parameter FULL = 1,                // 0: function codes 01 to 06, 0F and 10 only
   parameter MORE = 0,                // 1: user functions 65 and 66, a server identification as long as can be
+  parameter WIDE = 0,                // 1: sixteen bits a beat
   parameter BITS = 2000,             // coils, and discrete inputs
   parameter WORDS = 125              // input registers, and holding registers
 ) (
@@ -48,7 +49,7 @@ module timing_top #(
   generate
     if (IO == 0) begin : gen_ram
       slave_bench #(
-        .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
+        .BITS_PER_BEAT((WIDE != 0) ? 16 : 1), .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
         .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS), .FILE_COUNT(2),
         .FILE_RECORDS(256),
         .SERVER_ID_BYTES(NAME_BYTES), .ADDITIONAL_DATA_BYTES(MORE_BYTES)
@@ -56,7 +57,7 @@ module timing_top #(
         .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd), .de_o(de), .address_i(8'd17),
         .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
         .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0), .response_delay_i(response_delay_i),
-        .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .bit_fraction_i(4'd0), .busy_i(1'b0),
+        .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .bit_fraction_i(4'd0), .ascii_i(1'b0), .eight_bits_i(1'b0), .ascii_extra_i(2'd0), .busy_i(1'b0),
         .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
         .user_req_o(asked), .user_count_o(), .user_adr_i(8'd1), .user_dat_o(code), .user_put_i(1'b0), .user_dat_i(8'd0),
         .user_done_i(done_q), .user_pass_i(code[1]), .user_exception_i(4'd0), .listen_only_o(),  .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),
@@ -79,14 +80,14 @@ module timing_top #(
       assign wb_read_o     = u_slave.wb_read;
     end else begin : gen_io
       io_bench #(
-        .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
+        .BITS_PER_BEAT((WIDE != 0) ? 16 : 1), .CLK_HZ(50000000), .T15_MIN_US(T15), .T35_MIN_US(T35), .FUNCTION_CODES(CODES), .USER_CODES(USERS),
         .COIL_COUNT(BITS), .DISCRETE_COUNT(BITS), .INPUT_COUNT(WORDS), .HOLDING_COUNT(WORDS),
         .SERVER_ID_BYTES(NAME_BYTES), .ADDITIONAL_DATA_BYTES(MORE_BYTES)
       ) u_slave (
         .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd), .de_o(de), .address_i(8'd17),
         .bit_time_i(bit_time_i), .format_i(format_i), .broadcast_en_i(1'b1), .gap_count_only_i(1'b0),
         .strict_turnaround_i(strict_turnaround_i), .drop_late_i(1'b0), .response_delay_i(response_delay_i),
-        .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .bit_fraction_i(4'd0), .busy_i(1'b0),
+        .stall_limit_i(stall_limit_i), .de_lead_i(de_lead_i), .de_tail_i(de_tail_i), .bit_fraction_i(4'd0), .ascii_i(1'b0), .eight_bits_i(1'b0), .ascii_extra_i(2'd0), .busy_i(1'b0),
         .failure_i(4'd0), .exception_status_i(8'd0), .run_indicator_i(1'b1), .diagnostic_i(16'd0),
         .user_req_o(asked), .user_count_o(), .user_adr_i(8'd1), .user_dat_o(code), .user_put_i(1'b0), .user_dat_i(8'd0),
         .user_done_i(done_q), .user_pass_i(code[1]), .user_exception_i(4'd0), .listen_only_o(),  .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(),

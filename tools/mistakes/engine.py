@@ -555,6 +555,14 @@ MISTAKES = [
         "{data[0] & beat, held_q[7:1]}",
         "{held_q[6:0], data[0] & beat}",
     ),
+    # sixteen bits a beat
+    Mistake("wide_bits_turned_the_wrong_way", "modbus_burst.v", "3'd0 - first_i[2:0]", "first_i[2:0]"),
+    Mistake("wide_read_puts_a_byte_too_many", "modbus_burst.v", "(put_q & fit_i)", "1'b0"),
+    Mistake("wide_read_shows_items_behind_the_last", "modbus_burst.v", "wb_dat_i & kept", "wb_dat_i"),
+    Mistake("wide_read_keeps_the_byte_before_the_first", "modbus_burst.v", "first_i[3] ^ across", "across"),
+    Mistake("wide_write_always_begins_in_the_low_byte", "modbus_burst.v", "(wide & ~first_i[3])", "wide"),
+    Mistake("wide_beat_moves_on_by_one_item", "modbus_range.v", "first_q[3:0] | lanes} + ", "first_q[3:0]} + "),
+    Mistake("wide_burst_ends_with_its_last_item_alone", "modbus_range.v", "last_q[3:0]) | lanes[0])", "last_q[3:0]))"),
     Mistake(
         "question_for_a_range_past_the_end",
         "modbus_burst.v",

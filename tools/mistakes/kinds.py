@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Mistake:
-    """`old` in `file`, which is somewhere in rtl/ or examples/, becomes `new`."""
+    """`old` in `file`, which is somewhere in rtl/, examples/ or tools/modbus_map/, becomes `new`."""
 
     name: str
     file: str

@@ -79,14 +79,14 @@ MISTAKES = [
     Mistake(
         "gap_forgotten",
         "modbus_frame_rx.v",
-        "if (start_stb_i && t15_i) gap_q <= 1'b1;",
+        "if ((start_stb_i || ascii_i) && t15_i) gap_q <= 1'b1;",
         "gap_q <= start_stb_i & t15_i;",
     ),
     Mistake("three_bytes_are_a_frame", "modbus_frame_rx.v", "(count_i < 9'd4)", "(count_i < 9'd3)"),
     Mistake(
         "frame_of_257_bytes_taken",
         "modbus_frame_rx.v",
-        "long_q    <= long_q    | (full & ~spoiled);",
+        "long_q    <= long_q    | (full & half_i & ~spoiled);",
         "long_q    <= 1'b0;",
     ),
     Mistake(

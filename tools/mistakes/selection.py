@@ -16,12 +16,17 @@ MODULES_ALONE = {
     "frame_rx": ("modbus_frame_rx.v",),
     "frame_tx": ("modbus_frame_tx.v",),
     "line": ("modbus_line.v", "modbus_frame_rx.v", "modbus_frame_tx.v", "modbus_line_timer.v", "modbus_uart.v"),
+    "ascii": ("modbus_ascii.v",),
     "bank_guard": ("modbus_bank_guard.v",),
     "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
     "example_units": ("modbus_units.v", "modbus_example_units.v"),
     "sequencer": ("modbus_sequencer.v",),
     "range": ("modbus_range.v",),
     "burst": ("modbus_burst.v",),
+    "range_wide": ("modbus_range.v",),
+    "burst_wide": ("modbus_burst.v",),
+    "bank_ram_wide": ("modbus_bank_ram.v", "modbus_bank_lanes.v"),
+    "bank_io_wide": ("modbus_bank_io.v", "modbus_bank_lanes.v"),
     "frame_ram": ("modbus_frame_ram.v",),
     "diagnostics": ("modbus_diagnostics.v",),
 }
@@ -46,6 +51,11 @@ SELECTION = [
         "gap=(1.2|2.0).count_only|add_up|parity|framing|second_stop|long_frames|truncated|short_frames|swapped|traffic"
         "|own_|breaks|right_after|during|after_reset",
     ),
+    (
+        "ascii_mode",
+        "parity|gap_above|do_not_add|colon|cr_in|long_frames.*length=2|delimiter|ends_the_frame|stop_bits"
+        "|every_format.*fmt=[04]",
+    ),
     ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory|late_answer.*drop=1"),
     ("core_bus", "wait=(0|7)$|code=(4|10)$|second_range|past|stall|busy|no_access|in_order"),
     ("speed", "case=(0|16|24)$|to_the_bit"),
@@ -66,6 +76,7 @@ SELECTION = [
 # What is tried first for a mistake in a file, since it is about that file.
 IDENTITY = ("identity_small", "identity_above", "identity_01", "identity_82")
 FIRST = {
+    "modbus_ascii.v": ("ascii", "ascii_mode"),
     "modbus_identity.v": IDENTITY,
     "modbus_routines_identity.vh": IDENTITY,
     "modbus_routines_files.vh": ("files", "core_files", "fifo"),
@@ -73,4 +84,31 @@ FIRST = {
     "modbus_diagnostics.v": ("diagnostics", "diagnostics_counters", "diagnostics_modes"),
     "modbus_bank_guard.v": ("bank_guard", "functions_mapped"),
     "modbus_bank_ram.v": ("functions_mapped", "files", "options"),
+}
+# The tests of tb/map that are tried against a mistake in the map compiler, and which are first for a file.
+COMPILER_TESTS = (
+    "test_model",
+    "test_diagnostics",
+    "test_c_header",
+    "test_manual",
+    "test_tags",
+    "test_client",
+    "test_vhdl_output",
+    "test_random_maps",
+    "test_testbench",
+    "test_live",
+)
+COMPILER_FIRST = {
+    "rtl_bank.py": "test_random_maps",
+    "rtl_plan.py": "test_random_maps",
+    "verilog.py": "test_testbench",
+    "checks.py": "test_diagnostics",
+    "csv_door.py": "test_diagnostics",
+    "c_header.py": "test_c_header",
+    "client_runtime.py": "test_client",
+    "model.py": "test_manual",
+    "tags.py": "test_tags",
+    "node_red.py": "test_tags",
+    "vhdl.py": "test_vhdl_output",
+    "live.py": "test_live",
 }

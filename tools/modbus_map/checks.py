@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from fractions import Fraction
 from pathlib import PurePath
 from typing import Any
 
@@ -28,6 +27,7 @@ from modbus_map.file_model import (
     PointFile,
     shown,
 )
+from modbus_map.judge import Judge, with_article
 from modbus_map.loader import Path_, Source
 from modbus_map.model import (
     ITEMS,
@@ -66,25 +66,13 @@ def compile_source(source: Source) -> tuple[Device, list[Diagnostic]]:
     return device, sorted(compiler.notes)
 
 
-class _Compiler:
+class _Compiler(Judge):
     def __init__(self, source: Source) -> None:
-        self.source = source
-        self.notes: list[Diagnostic] = list(source.problems)
+        super().__init__(source)
         self.names: dict[str, tuple[str, Path_]] = {}  # lower case -> name, path
         self.paths: dict[str, Path_] = {}  # of the points, by name
         self.zero_gaps: set[str] = set()
         self.bad_points: set[str] = set()  # tables with items that were left out
-
-    # ---------------------------------------------------------------- messages
-
-    def error(self, path: Path_, text: str, key: bool = False) -> None:
-        self.notes.append(self.source.diagnostic(path, text, key))
-
-    def warn(self, path: Path_, text: str, key: bool = False) -> None:
-        self.notes.append(self.source.diagnostic(path, text, key, warning=True))
-
-    def line_of(self, path: Path_) -> int:
-        return self.source.place(path)[0]
 
     def validate(self, model: type[BaseModel], item: Any, path: Path_, what: str) -> Any:
         """The item as a model, or None after its errors are noted."""
@@ -255,7 +243,7 @@ class _Compiler:
         last = parsed.at + width * count - 1
         if last >= ITEMS:
             if width > 1 and count == 1:
-                room = f"{_a(kind_of)} takes {width} registers"
+                room = f"{with_article(kind_of)} takes {width} registers"
             else:
                 room = f"{count} items of {kind_of} take {width * count} addresses"
             self.error((*path, "at"), f"{room}, so it ends at {last}; the last address of a table is {ITEMS - 1}")
@@ -282,7 +270,7 @@ class _Compiler:
                 self.warn(path, f"{width * count * 16} flip-flops; kind: memory keeps it in block RAM")
         word_order = getattr(parsed, "word_order", None)
         if word_order and (width == 1 or kind_of.startswith("string")):
-            self.warn((*path, "word_order"), f"{_a(kind_of)} has no word order; leave it out")
+            self.warn((*path, "word_order"), f"{with_article(kind_of)} has no word order; leave it out")
         if kind_of.startswith("string") or width == 1:
             word_order = "big"
         scale, offset = getattr(parsed, "scale", None), getattr(parsed, "offset", None)
@@ -308,7 +296,7 @@ class _Compiler:
         no_number = kind_of.startswith("string") or kind_of in ("bits", "bool")
         for key in ("scale", "offset"):
             if key in given and no_number:
-                self.error((*path, key), f"{_a(kind_of)} has no {key}; leave it out", key=True)
+                self.error((*path, key), f"{with_article(kind_of)} has no {key}; leave it out", key=True)
             elif key in given and parsed.enum:
                 self.error((*path, key), f"an enum names raw values and has no {key}; leave one of them out", key=True)
         enum = self.enum(parsed.enum, point, path) if parsed.enum else ()
@@ -320,7 +308,7 @@ class _Compiler:
             if getattr(parsed, key, None) is None:
                 continue
             if no_number:
-                self.error((*path, key), f"{_a(kind_of)} has no {key}; leave it out", key=True)
+                self.error((*path, key), f"{with_article(kind_of)} has no {key}; leave it out", key=True)
             else:
                 limits[key] = self.raw(getattr(parsed, key), point, (*path, key), key)
         if point.scale < 0:
@@ -338,7 +326,7 @@ class _Compiler:
                 self.error((*path, "enum", item.number), text, key=True)
         if kind == "memory" and width > 1 and access != "ro" and point.is_limited:
             key = next(key for key in ("min", "max", "enum") if key in given)
-            text = f"{_a(kind_of)} in memory has no limits: they are for whole values; "
+            text = f"{with_article(kind_of)} in memory has no limits: they are for whole values; "
             text += f"kind: register, or leave {key} out"
             self.error((*path, key), text, key=True)
         resets = self.resets(parsed, point, path)
@@ -363,74 +351,6 @@ class _Compiler:
             self.error(place, "the master cannot write an input (kind: wire); access: ro, or kind: register")
         elif kind == "constant" and access != "ro":
             self.error(place, "the master cannot write a constant; access: ro, or kind: register")
-
-    def raw(self, value: Any, point: Point, path: Path_, what: str) -> int | None:
-        """The bit pattern of a value of the file, or None after an error."""
-        if point.enum and isinstance(value, str):
-            for item in point.enum:
-                if value in (item.label, item.ident):
-                    return item.raw
-            labels = [item.label for item in point.enum]
-            self.error(path, f"{shown(value)} is no name of the enum; {nearest(value, labels)}")
-            return None
-        if point.is_string:
-            text = str(getattr(value, "text", value))
-            try:
-                data = text.encode("latin-1")
-            except UnicodeEncodeError:
-                self.error(path, f"{shown(text)!r} has letters that are no single byte; write it in Latin-1 letters")
-                return None
-            if len(data) > point.characters:
-                text = f"{len(data)} characters do not fit into {point.type}; shorten the text, or string<{len(data)}>"
-                self.error(path, text)
-                return None
-            if "\0" in text:
-                self.error(path, "a zero byte ends a string; leave it out")
-                return None
-            return point.raw(text)
-        if isinstance(value, str):
-            hint = "write one of the numbers" if not point.enum else "write one of its names"
-            self.error(path, f"{shown(value)} is no value of {_a(point.type)}; {hint}")
-            return None
-        if point.type == "bool" or isinstance(value, bool):
-            if point.type != "bool" or value not in (0, 1):
-                wanted = "0, 1, false or true" if point.type == "bool" else "a number"
-                self.error(path, f"{what} {shown(value)} is no value of {_a(point.type)}; write {wanted}")
-                return None
-            return int(value)
-        return self.number(value, point, path, what)
-
-    def number(self, value: Any, point: Point, path: Path_, what: str) -> int | None:
-        exact = Fraction(int(value)) if isinstance(value, int) else Fraction(getattr(value, "text", repr(value)))
-        scale, offset = Fraction(repr(point.scale)), Fraction(repr(point.offset))
-        number = (exact - offset) / scale
-        if point.is_float:
-            try:
-                raw = point.raw(float(number))
-            except (ValueError, OverflowError):
-                self.error(path, f"{what} {shown(value)} is too large for {point.type}; take f64, or a smaller one")
-                return None
-            return raw
-        least, most = point.number_range()
-        if not least <= number <= most:
-            ends = sorted((least * scale + offset, most * scale + offset))
-            span = " to ".join(_decimal(end) for end in ends)
-            scaled = " with this scale" if point.is_scaled else ""
-            self.error(path, f"{what} {shown(value)} is outside the type; {point.type}{scaled} is {span}")
-            return None
-        if number.denominator != 1:
-            if not point.is_scaled:
-                near = sorted({number.numerator // number.denominator, -(-number.numerator // number.denominator)})
-                choice = " or ".join(map(str, near))
-                self.error(
-                    path, f"{what} {shown(value)} is no whole number; {point.type} takes {choice}, or write a scale"
-                )
-                return None
-            floor = number.numerator // number.denominator
-            near = " or ".join(_decimal(n * scale + offset) for n in (floor, floor + 1))
-            self.error(path, f"{what} {shown(value)} is no whole step of {point.scale!r}; write {near}")
-            return None
-        return point.raw(int(number))
 
     def resets(self, parsed: PointFile, point: Point, path: Path_) -> tuple[int, ...]:
         given = parsed.reset
@@ -478,7 +398,7 @@ class _Compiler:
 
     def enum(self, given: dict[int, str], point: Point, path: Path_) -> tuple[EnumItem, ...]:
         if point.is_float or point.is_string or point.type == "bits":
-            self.error((*path, "enum"), f"{_a(point.type)} has no enum; leave it out, or take u16", key=True)
+            self.error((*path, "enum"), f"{with_article(point.type)} has no enum; leave it out, or take u16", key=True)
             return ()
         least, most = (0, 1) if point.type == "bool" else point.number_range()
         made: list[EnumItem] = []
@@ -502,7 +422,9 @@ class _Compiler:
     def fields(self, parsed: Any, point: Point, path: Path_) -> tuple[BitField, ...]:
         if point.type not in ("bits", "u16", "u32", "u64"):
             self.error(
-                (*path, "bits"), f"{_a(point.type)} has no bit fields; take type: bits, or u16, u32, u64", key=True
+                (*path, "bits"),
+                f"{with_article(point.type)} has no bit fields; take type: bits, or u16, u32, u64",
+                key=True,
             )
             return ()
         if parsed.enum:
@@ -511,7 +433,8 @@ class _Compiler:
         for name, (high, low) in parsed.bits.items():
             here = (*path, "bits", name)
             if high >= point.bits:
-                text = f"field {name}: bit {high} is outside {_a(point.type)}; its bits are 0 to {point.bits - 1}"
+                where = f"outside {with_article(point.type)}; its bits are 0 to {point.bits - 1}"
+                text = f"field {name}: bit {high} is {where}"
                 self.error(here, text)
                 continue
             for other in made:
@@ -770,18 +693,8 @@ def _indefinite(text: str) -> str:
     return text if text.startswith(("a ", "nothing")) else f"the text {text}"
 
 
-def _a(kind: str) -> str:
-    """A type with its article."""
-    return "a bits point" if kind == "bits" else f"{'an' if kind[0] in 'fi' else 'a'} {kind}"
-
-
 def _span(point: Point) -> str:
     return str(point.at) if point.size == 1 else f"{point.at} to {point.last}"
-
-
-def _decimal(number: Fraction) -> str:
-    """A number as a person writes it."""
-    return str(number.numerator) if number.denominator == 1 else f"{float(number):.12g}"
 
 
 def _needed(device: Device) -> set[int]:

@@ -12,6 +12,8 @@ from typing import NamedTuple
 INCLUDE = Path(__file__).resolve().parents[2] / "rtl" / "include"
 SETTINGS = "modbus_settings.vh"
 FILES = (SETTINGS, "modbus_config.vh")
+DEFINES = "modbus_defs.vh"
+_FIELD = re.compile(r"^`define (MB_SET_(\w+))\s+(\d+)(?::(\d+))?\s", re.M)
 _LINE = re.compile(r"^\s*parameter\s+(?:integer|\[[^]]*\])\s+(\w+)\s*=\s*(.*?)\s*,?\s*(?://\s*(.*))?$", re.M)
 
 # What the map says elsewhere: parameter -> key
@@ -35,10 +37,13 @@ BY_THE_MAP = {
     "CONFORMITY": "identity: conformity",
 }
 ONE_UNIT = "a device made from a map has one address; instantiate modbus_rtu_core for more"
+NO_ASCII = "a device made from a map has RTU mode alone; instantiate modbus_rtu_core for ASCII mode"
+ASCII = {"ASCII_MODE": 0, "ASCII": 0, "ASCII_DATA_BITS": 7, "ASCII_EXTRA": 0}  # as they are in its settings
 NOT_HERE = {
     "USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that",
-    "UNIT_SET": ONE_UNIT,
-    "UNIT_PORT": ONE_UNIT,
+    **dict.fromkeys(("UNIT_SET", "UNIT_PORT"), ONE_UNIT),
+    **dict.fromkeys((*ASCII, "ASCII_TIMEOUT_MS"), NO_ASCII),
+    "BITS_PER_BEAT": "the bank that is made from a map takes one bit a beat",
 }
 
 
@@ -75,3 +80,12 @@ def parameters() -> dict[str, Parameter]:
 def settings() -> list[str]:
     """Those that a drop-in makes settings_i of; the core has ports for them."""
     return [name for name, parameter in parameters().items() if parameter.file == SETTINGS]
+
+
+def fields() -> list[tuple[str, str, int]]:
+    """(macro, parameter, bits) of each field of settings_i. MB_SET_STRICT is that of STRICT_TURNAROUND."""
+    found = []
+    for macro, field, high, low in _FIELD.findall((INCLUDE / DEFINES).read_text(encoding="utf-8")):
+        longer = [name for name in settings() if name.startswith(f"{field}_")]
+        found.append((macro, longer[0] if longer else field, int(high) - int(low or high) + 1))
+    return found

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import io
-from fractions import Fraction
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.scalarstring import SingleQuotedScalarString
 
 from modbus_map.model import TABLES, Device, Point, exact_of
+
+SIGNS = ("?", ":", "-")
 
 
 def text(device: Device) -> str:
@@ -21,8 +23,17 @@ def text(device: Device) -> str:
     yaml.allow_unicode = True
     yaml.indent(mapping=2, sequence=4, offset=2)
     out = io.StringIO()
-    yaml.dump(tree(device), out)
+    yaml.dump(quoted(tree(device)), out)
     return out.getvalue()
+
+
+def quoted(node: Any) -> Any:
+    """The tree with texts in quotes that begin with a sign which a reader takes for YAML's own inside of braces."""
+    if isinstance(node, str):
+        return SingleQuotedScalarString(node) if node[:1] in SIGNS else node
+    for key in node if isinstance(node, dict) else range(len(node)) if isinstance(node, list) else ():
+        node[key] = quoted(node[key])
+    return node
 
 
 def tree(device: Device) -> CommentedMap:
@@ -171,8 +182,3 @@ def value_of(point: Point, raw: int) -> Any:
 
 def _plain(number: float) -> Any:
     return int(number) if float(number).is_integer() and abs(number) < 1e15 else float(number)
-
-
-def decimal(number: Fraction) -> str:
-    """A number as a person writes it."""
-    return str(number.numerator) if number.denominator == 1 else f"{float(number):.12g}"

@@ -297,10 +297,15 @@ def _core(value: Any) -> dict[str, int]:
     return out
 
 
-def _identity_text(value: Any) -> str:
+def _printable(value: Any) -> str:
     text = _one_line(value)
     if any(not 32 <= ord(letter) < 127 for letter in text):
         raise wrong(f"{shown(text)!r}: identity texts are printable ASCII; write it without other letters")
+    return text
+
+
+def _identity_text(value: Any) -> str:
+    text = _printable(value)
     if len(text) > LONGEST_TEXT:
         raise wrong(f"a text of {len(text)} characters does not fit into one answer; at most {LONGEST_TEXT}")
     return text
@@ -328,7 +333,7 @@ def _private(value: Any) -> dict[int, str]:
 def _octets(most: int) -> Any:
     def check(value: Any) -> bytes:
         if isinstance(value, str):
-            value = list(_identity_text(value).encode("ascii"))
+            value = list(_printable(value).encode("ascii"))
         if not isinstance(value, list):
             value = [value]
         each = Each()
@@ -342,12 +347,12 @@ def _octets(most: int) -> Any:
     return check
 
 
-def _octets_schema(most: int, most_text: int) -> Any:
+def _octets_schema(most: int) -> Any:
     """A text, a byte, or a list of bytes."""
     octet = {"type": "integer", "minimum": 0, "maximum": 255}
     return _schema(
         anyOf=[
-            {"type": "string", "minLength": 1, "maxLength": most_text},
+            {"type": "string", "minLength": 1, "maxLength": most},
             octet,
             {"type": "array", "minItems": 1, "maxItems": most, "items": octet},
         ]
@@ -619,12 +624,12 @@ class IdentityFile(Strict):
     server_id: Annotated[
         bytes,
         BeforeValidator(_octets(16)),
-        _octets_schema(16, 16),
+        _octets_schema(16),
     ] = Field(b"", description="answer of function code 11H: a text, a byte, or a list of bytes")
     additional_data: Annotated[
         bytes,
         BeforeValidator(_octets(249)),
-        _octets_schema(249, 244),
+        _octets_schema(249),
     ] = Field(b"", description="what function code 11H answers behind the run indicator")
     conformity: Annotated[int, BeforeValidator(_conformity), _schema(enum=[1, 2, 3, 0x81, 0x82, 0x83])] | None = Field(
         None, description="conformity level of 2BH; default: 0x81, 0x82 or 0x83 by the objects that exist"

@@ -12,9 +12,9 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from modbus_map.checks import _Compiler
 from modbus_map.diagnostics import MapError, nearest
 from modbus_map.file_model import shown
+from modbus_map.judge import Judge
 from modbus_map.loader import Path_, Source
 from modbus_map.model import SPACES, Device, File, Point
 from modbus_map.outputs.live import INPUTS_SPACE, WORD, input_words
@@ -33,7 +33,7 @@ def initial(device: Device, source: Source) -> list[Word]:
     return words
 
 
-class _Values(_Compiler):
+class _Values(Judge):
     def __init__(self, device: Device, source: Source) -> None:
         super().__init__(source)
         self.device = device

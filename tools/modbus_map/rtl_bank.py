@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from modbus_map.model import SPACES, Device, Point
-from modbus_map.rtl_plan import COMPARED_ENUM, FILES_SPACE, Area, Item, Plan, runs
+from modbus_map.rtl_plan import COMPARED_ENUM, FILES_SPACE, Area, Item, Plan, Row, runs
 from modbus_map.rtl_text import aligned, bits, fill, literal, slice_of
 
 SPACE_NAMES = ("`MB_SPACE_COILS", "`MB_SPACE_DISCRETES", "`MB_SPACE_INPUTS", "`MB_SPACE_HOLDINGS", "`MB_SPACE_FILES")
@@ -115,57 +117,81 @@ class Bank:
     # ---------------------------------------------------------------- grant
 
     def grant(self) -> list[str]:
-        plan, table = self.plan, self.plan.table_of_rows
-        width = max(1, len(table).bit_length())
+        """The answer to the core's question: from one row, or from the rows of a table one after the other."""
+        table = self.plan.table_of_rows
         files = any(space == FILES_SPACE for _, _, space in table)
         more = any(more for _, more, _ in table)
         # Rows that begin at 0 and hold a power of two need no comparison: the address bits above must be 0.
         round_ = all(row.low == 0 and row.high & (row.high + 1) == 0 for row, _, _ in table)
+        fields = ["more"] * more + ["file"] * files + (["exists", "high"] if round_ else ["low", "high"])
+
+        def said(row: Row | None, again: bool = False) -> str:
+            values = [f"1'b{int(again)}"] * more + [f"16'd{row.file if row else 0}"] * files
+            values += [f"1'b{int(row is not None)}"] if round_ else [f"16'd{row.low}" if row else "16'hFFFF"]
+            return f"{{{', '.join(fields)}}} = {{{', '.join([*values, f'16{chr(39)}d{row.high if row else 0}'])}}};"
+
         lines = banner("May this range be accessed?")
         lines += ["  // A row is a run of addresses that may be read, or written.  A request is granted if a row holds all of it."]
-        if more:
-            lines += ["  // Where a table has several rows they are tried one a clock."]
-        lines += [f"  reg  {bits(width):<6} row_q;", f"  reg  {bits(width):<6} first_row;"]
         if round_:
             lines += ["  reg  [15:0] high;                  // last address of the row; the first is 0"]
             lines += ["  reg         exists;                // there is a row"]
         else:
             lines += ["  reg  [15:0] low, high;             // first and last address of the row"]
         lines += ["  reg  [15:0] file;                  // its file"] if files else []
-        lines += ["  reg         more;                  // the next row is to be tried too"] if more else []
-        lines += ["", "  always @* begin", "    case ({grant_write_i, grant_space_i})"]
-        for write, space in sorted(plan.questions):
-            number = literal(width, plan.first_row(write, space))
-            lines.append(f"      {{1'b{int(write)}, {SPACE_NAMES[space]}}}: first_row = {number};")
-        lines += [f"      default: first_row = {literal(width, len(table))};", "    endcase"]
-        fields = ["more"] * more + ["file"] * files + (["exists", "high"] if round_ else ["low", "high"])
-        lines.append("    case (row_q)")
-        for number, (row, again, space) in enumerate(table):
-            values = ([f"1'b{int(again)}"] if more else []) + ([f"16'd{row.file}"] if files else [])
-            values += ["1'b1" if round_ else f"16'd{row.low}", f"16'd{row.high}"]
-            what = f"{TABLE_WORDS[space]}s {row.low} to {row.high}" + (f" of file {row.file}" if row.file else "")
-            lines.append(
-                f"      {literal(width, number)}: {{{', '.join(fields)}}} = {{{', '.join(values)}}};  // {what}"
-            )
-        nothing = (["1'b0"] if more else []) + (["16'd0"] if files else []) + (["1'b0", "16'h0000"] if round_ else ["16'hFFFF", "16'h0000"])
-        lines.append(f"      default: {{{', '.join(fields)}}} = {{{', '.join(nothing)}}};  // nothing")
-        lines += ["    endcase", "  end", ""]
+        lines += self.rows(said) if more else self.only_row(said)
         fits = "exists & ((grant_last_i & ~high) == 16'd0)" if round_ else "(grant_first_i >= low) & (grant_last_i <= high)"
         if files:
             fits += f" & (grant_space_i != {SPACE_NAMES[4]} | grant_file_i == file)"
-        lines += ["  reg  asked_q = 1'b0;               // row_q is a row of the question", "  reg  grant_ack_q = 1'b0, grant_refused_q = 1'b0;"]
-        lines += [f"  wire fits  = {fits};"]
-        lines += [f"  wire ends  = asked_q & {'(fits | ~more)' if more else '1' + chr(39) + 'b1'};"] if more else ["  wire ends  = asked_q;"]
-        lines += [
-            "",
-            "  always @(posedge clk_i) begin",
-            "    asked_q         <= grant_req_i & ~ends & ~grant_ack_q & ~rst_i;",
-            "    row_q           <= " + (f"asked_q ? row_q + {literal(width, 1)} : first_row;" if more else "first_row;"),
-            "    grant_ack_q     <= grant_req_i & ends & ~rst_i;",
+        lines += ["  reg  asked_q = 1'b0;               // row_q is a row of the question"] if more else []
+        lines += ["  reg  grant_ack_q = 1'b0, grant_refused_q = 1'b0;", f"  wire fits  = {fits};"]
+        lines += ["  wire ends  = asked_q & (fits | ~more);"] if more else []
+        lines += ["", "  always @(posedge clk_i) begin"]
+        if more:
+            lines += ["    asked_q         <= grant_req_i & ~ends & ~grant_ack_q & ~rst_i;"]
+            lines += [f"    row_q           <= asked_q ? row_q + {literal(self.row_width, 1)} : first_row;"]
+        ends = "ends" if more else "~grant_ack_q"
+        return [
+            *lines,
+            f"    grant_ack_q     <= grant_req_i & {ends} & ~rst_i;",
             "    grant_refused_q <= ~fits;",
             "  end",
         ]
-        return lines
+
+    @property
+    def row_width(self) -> int:
+        return max(1, len(self.plan.table_of_rows).bit_length())
+
+    def only_row(self, said: Callable[..., str]) -> list[str]:
+        """No question has several rows: it is answered in one clock."""
+        plan = self.plan
+        asked: dict[tuple[Row, int], list[str]] = {}
+        for write, space in sorted(plan.questions):
+            row = plan.table_of_rows[plan.first_row(write, space)][0]
+            asked.setdefault((row, space), []).append(f"{{1'b{int(write)}, {SPACE_NAMES[space]}}}")
+        lines = ["", "  always @*", "    case ({grant_write_i, grant_space_i})"]
+        lines += [f"      {', '.join(keys)}: {said(row)}  // {row_text(row, space)}" for (row, space), keys in asked.items()]
+        return [*lines, f"      default: {said(None)}  // nothing", "    endcase", ""]
+
+    def rows(self, said: Callable[..., str]) -> list[str]:
+        """The rows of a table are tried one a clock."""
+        plan, width, table = self.plan, self.row_width, self.plan.table_of_rows
+        lines = [
+            "  reg         more;                  // the next row is to be tried too",
+            f"  reg  {bits(width):<6} row_q;               // where a table has several rows they are tried one a clock",
+            f"  reg  {bits(width):<6} first_row;",
+            "",
+            "  always @* begin",
+            "    case ({grant_write_i, grant_space_i})",
+        ]
+        for write, space in sorted(plan.questions):
+            number = literal(width, plan.first_row(write, space))
+            lines.append(f"      {{1'b{int(write)}, {SPACE_NAMES[space]}}}: first_row = {number};")
+        lines += [f"      default: first_row = {literal(width, len(table))};", "    endcase", "    case (row_q)"]
+        lines += [
+            f"      {literal(width, number)}: {said(row, again)}  // {row_text(row, space)}"
+            for number, (row, again, space) in enumerate(table)
+        ]
+        return [*lines, f"      default: {said(None)}  // nothing", "    endcase", "  end", ""]
 
     # ---------------------------------------------------------------- beats
 
@@ -468,7 +494,6 @@ class Bank:
             lines.append(f"  wire {bits(count)} value = {{" + (",\n" + " " * 30).join(f"{p}" for p in parts) + "};")
         else:
             lines.append("  wire [15:0] value = wb_dat_i;")
-        rows = [(point, item) for point in plan.limited for item in self.items_of(point)]
         swaps = sorted({p.width for p in plan.limited if p.width > 1 and p.word_order == "little"})
         kinds = {kind_of(p) for p in plan.limited}
         lines += ["  // Limits, in an order in which unsigned numbers compare.  Without limits: all values."]
@@ -487,33 +512,10 @@ class Bank:
         lines += ["", "  always @* begin", f"    least = {count}'d0;", f"    most  = {{{count}{{1'b1}}}};"]
         flags = ["is_signed"] * (SIGNED in kinds) + ["is_float"] * (FLOAT in kinds)
         lines += [f"    {flag} = 1'b0;" for flag in [*flags, *(f"is_little_{width}" for width in swaps)]]
-        lines += ["    listed = 1'b1;"] if lists else []
-        memory = [(p, i) for p, i in rows if p.kind == "memory"]
-        plain = [(p, i) for p, i in rows if p.kind != "memory"]
-        if plain:
-            guard = f"{'~in_memory' if plan.areas else ''}{' & ' if plan.areas and plan.has_free_addresses(3) else ''}{'holding_is' if plan.has_free_addresses(3) else ''}"
-            indent = "    "
-            if guard:
-                lines.append(f"    if ({guard})")
-                indent = "      "
-            lines.append(f"{indent}case (holding)")
-            done: set[str] = set()
-            for point, _ in plain:
-                if point.name in done:
-                    continue
-                done.add(point.name)
-                keys = [
-                    literal(plan.key_width(3), plan.key(3, a)) for item in self.items_of(point) for a in item.addresses
-                ]
-                lines += [f"{indent}  {line}" for line in fill(keys, ": begin")]
-                lines += [f"{indent}    {line}" for line in self.limits(point, count, value)]
-                lines.append(f"{indent}  end  // {point.name}")
-            lines += [f"{indent}  default: ;", f"{indent}endcase"]
-        for point in dict.fromkeys(p for p, _ in memory):
-            lines.append(f"    if ({between('address', point.at, point.last)}) begin  // {point.name}")
-            lines += [f"      {line}" for line in self.limits(point, count, value)]
-            lines.append("    end")
-        lines += ["  end", ""]
+        lines += [*self.by_point(lambda point: self.limits(point, count)), "  end", ""]
+        if lists:  # a block of its own, since it reads what the one above sets
+            lines += ["  always @* begin", "    listed = 1'b1;"]
+            lines += [*self.by_point(lambda point: self.listed(point, count, value)), "  end", ""]
         order, sign = value, f"{value}[{count - 1}]"
         if FLOAT in kinds or SIGNED in kinds:
             flips = []
@@ -544,22 +546,52 @@ class Bank:
             choice = f"is_little_{width} ? {{{', '.join(parts + rest)}}} :\n{' ' * 26}{choice}"
         return ["  // The most significant word on top", f"  wire {bits(count)} high_first = {choice};"]
 
-    def limits(self, point: Point, count: int, value: str) -> list[str]:
+    def by_point(self, statements: Callable[[Point], list[str]]) -> list[str]:
+        """Statements about the limited point that the address is of."""
+        plan, lines = self.plan, []
+        chosen = [(point, found) for point in plan.limited if (found := statements(point))]
+        plain = [(point, found) for point, found in chosen if point.kind != "memory"]
+        if plain:
+            terms = ["~in_memory"] * bool(plan.areas) + ["holding_is"] * plan.has_free_addresses(3)
+            indent = "      " if terms else "    "
+            lines += [f"    if ({' & '.join(terms)})"] if terms else []
+            lines.append(f"{indent}case (holding)")
+            for point, found in plain:
+                keys = [
+                    literal(plan.key_width(3), plan.key(3, a)) for item in self.items_of(point) for a in item.addresses
+                ]
+                lines += [f"{indent}  {line}" for line in fill(keys, ": begin")]
+                lines += [f"{indent}    {line}" for line in found]
+                lines.append(f"{indent}  end  // {point.name}")
+            lines += [f"{indent}  default: ;", f"{indent}endcase"]
+        for point, found in chosen:
+            if point.kind == "memory":
+                lines.append(f"    if ({between('address', point.at, point.last)}) begin  // {point.name}")
+                lines += [f"      {line}" for line in found]
+                lines.append("    end")
+        return lines
+
+    @staticmethod
+    def listed(point: Point, count: int, value: str) -> list[str]:
+        """The assignment that compares a value with an enum which is no range."""
+        if is_range(point):
+            return []
+        top = slice_of(value, count, count - 1, count - point.bits)
+        return ["listed = " + " | ".join(f"({top} == {literal(point.bits, e.raw)})" for e in point.enum) + ";"]
+
+    @staticmethod
+    def limits(point: Point, count: int) -> list[str]:
         """The assignments that give the limits of a point."""
         shift = count - point.bits
-
-        def number(raw: int) -> str:
-            return literal(count, raw << shift)
-
         lines = []
-        kind = kind_of(point)
         if is_range(point):
             low, high = limits_of(point)
-            lines += [f"least = {number(low)};", f"most  = {literal(count, (high << shift) | ((1 << shift) - 1))};"]
+            kind = kind_of(point)
+            lines += [
+                f"least = {literal(count, low << shift)};",
+                f"most  = {literal(count, (high << shift) | ((1 << shift) - 1))};",
+            ]
             lines += ["is_signed = 1'b1;"] if kind == SIGNED else ["is_float = 1'b1;"] if kind == FLOAT else []
-        else:
-            top = slice_of(value, count, count - 1, shift)
-            lines.append("listed = " + " | ".join(f"({top} == {literal(point.bits, e.raw)})" for e in point.enum) + ";")
         if point.width > 1 and point.word_order == "little":
             lines.append(f"is_little_{point.width} = 1'b1;")
         return lines
@@ -825,6 +857,12 @@ def place_of(point: Point) -> str:
     what = TABLE_WORDS[SPACES[point.table]]
     what += f" {point.at}" if point.size == 1 else f"s {point.at} to {point.last}"
     return what + (f", {point.type}" if not point.is_bit and point.type != "u16" else "")
+
+
+def row_text(row: Row, space: int) -> str:
+    """`coils 0 to 3`"""
+    what = f"{TABLE_WORDS[space]} {row.low}" if row.low == row.high else f"{TABLE_WORDS[space]}s {row.low} to {row.high}"
+    return what + (f" of file {row.file}" if row.file else "")
 
 
 def one_line(text: str) -> str:

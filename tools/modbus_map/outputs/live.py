@@ -10,8 +10,11 @@ from typing import Any
 from modbus_map.model import SPACES, TABLES, Device, Point
 from modbus_map.rtl_plan import FILES_SPACE, Plan
 
-INPUTS_SPACE = 1  # of the live device's host port: the words of all inputs in a row
+# Of the live device's host port: the words of all inputs in a row; the same of all registers, to read
+INPUTS_SPACE, OUTPUTS_SPACE = 1, 6
+HELD = {"wire": INPUTS_SPACE, "register": OUTPUTS_SPACE}
 WORD = 16
+ZERO, NOTHING = "1'b0", "16'd0"
 MOST_WORDS = 65536  # of a space
 
 
@@ -93,9 +96,9 @@ def of_point(device: Device, point: Point) -> dict[str, Any]:
             found[key] = text
     if point.width > 1:
         found["word_order"] = point.word_order
-    if point.kind == "wire":
-        words = input_words(device)[point.name]
-        found["host"] = {"space": INPUTS_SPACE, "item": words.start, "words": len(words)}
+    if point.kind in HELD:
+        words = port_words(device, point.kind)[point.name]
+        found["host"] = {"space": HELD[point.kind], "item": words.start, "words": len(words)}
     elif point.kind == "memory":
         found["host"] = {"space": SPACES[point.table], "item": point.at, "words": point.size}
     return found
@@ -107,21 +110,26 @@ def number(point: Point, raw: int) -> int | float | str:
     return str(found) if isinstance(found, float) and found - found != 0 else found
 
 
-def input_words(device: Device) -> dict[str, range]:
-    """The words of each input among those of all inputs; a port begins with a word of its own."""
+def port_words(device: Device, kind: str) -> dict[str, range]:
+    """The words of each point of this kind among those of all; a port begins with a word of its own."""
     found, used = {}, 0
     for point in device.points:
-        if point.kind == "wire":
+        if point.kind == kind:
             words = -(-point.bits * point.count // WORD)
             found[point.name] = range(used, used + words)
             used += words
     return found
 
 
+def input_words(device: Device) -> dict[str, range]:
+    """The words of each input among those of all inputs."""
+    return port_words(device, "wire")
+
+
 def wrapper(device: Device) -> str:
-    """NAME_live.v: NAME behind the pins of sim/modbus_live.v."""
-    words = input_words(device)
-    count = sum(map(len, words.values()))
+    """NAME_live.v: NAME behind the ports of sim/modbus_live_ports.vh."""
+    words = input_words(device) | port_words(device, "register")
+    inputs, outputs = (sum(map(len, port_words(device, kind).values())) for kind in HELD)
     memory, run_time = device.has_memory, device.line.run_time
     parameters = ["parameter integer CLK_HZ  = 1843200"]
     passed = [".CLK_HZ(CLK_HZ)"]
@@ -135,54 +143,90 @@ def wrapper(device: Device) -> str:
         passed += [".ADDRESS(ADDRESS)", ".BAUD(BAUD)", ".FORMAT(FORMAT)"]
     binds = [".clk_i(clk_i)", ".rst_i(rst_q)", ".rxd_i(rxd_q)", ".txd_o(txd_o)", ".de_o(de_o)"]
     if run_time:
-        binds += [".address_i(address_i)", ".bit_time_i(bit_time_i)", ".format_i(format_i)"]
+        binds += [".address_i(address_q)", ".bit_time_i(bit_time_q)", ".format_i(format_q)"]
     for port in device.port_list():
         if port.role in ("value", "strobe", "alive"):
             inside = ""
-            if port.direction == "input" and port.point:
-                inside = f"inputs_q[{WORD * words[port.point.name].start} +: {port.width}]"
+            if port.role == "value" and port.point:
+                held = "inputs_q" if port.direction == "input" else "outputs"
+                inside = f"{held}[{WORD * words[port.point.name].start} +: {port.width}]"
             binds.append(f".{port.name}({inside})")
     if memory:
-        binds += [".host_cyc_i(memory_stb)", ".host_stb_i(memory_stb)", ".host_we_i(memory_stb)"]
-        binds += [".host_adr_i(host_adr_q)", ".host_dat_i(host_dat_q)", ".host_dat_o()"]
+        binds += [".host_cyc_i(host_cyc_q)", ".host_stb_i(memory_stb)", ".host_we_i(host_we_q)"]
+        binds += [".host_adr_i(host_adr_q)", ".host_dat_i(host_dat_q)", ".host_dat_o(memory_read)"]
         binds += [".host_ack_o(memory_ack)", ".host_err_o(memory_err)"]
     lines = [
         f"// Made{f' from {device.source}' if device.source else ''} by modbus map; change the map, not this file.",
         "//",
         f"// {device.name}_live - {device.name} as the live device runs it.",
         "//",
-        f"// Space {INPUTS_SPACE} of the host port: the words of all inputs in a row; other spaces: the memory.",
+        f"// Space {INPUTS_SPACE} of the host port: the words of all inputs in a row; space {OUTPUTS_SPACE}: those of all",
+        "// registers, to read; other spaces: the memory.",
         "",
         "`default_nettype none",
+        '`include "modbus_defs.vh"',
         "",
         f"module {device.name}_live #(",
         ",\n".join(f"  {text}" for text in parameters),
-        PORTS,
+        ")",
+        '`include "modbus_live_ports.vh"',
+        "",
+        "  wire        stb  = host_cyc_q & host_stb_q;",
+        "  wire [2:0]  space = host_adr_q[18:16];",
+        "  wire [15:0] item  = host_adr_q[15:0];",
     ]
-    if count:
+    acks, errors, reads = [], [], []
+    for held, space, count in (("inputs_q", INPUTS_SPACE, inputs), ("outputs", OUTPUTS_SPACE, outputs)):
+        if not count:
+            continue
+        name = held.removesuffix("_q")
+        value = f"{WORD * count}'d0"
         lines += [
             "  // A port of fewer bits leaves some of its last word:",
             "  // verilator lint_off UNUSED",
-            f"  reg  [{WORD * count - 1}:0] inputs_q = {WORD * count}'d0;",
+            f"  reg  [{WORD * count - 1}:0] {held} = {value};"
+            if held == "inputs_q"
+            else f"  wire [{WORD * count - 1}:0] {held};",
             "  // verilator lint_on UNUSED",
-            f"  wire input_stb = host_stb_q & (host_adr_q[18:16] == 3'd{INPUTS_SPACE}) & (host_adr_q[15:0] < {count});",
-            "  always @(posedge clk_i)",
-            f"    if (input_stb) inputs_q[{WORD} * host_adr_q[15:0] +: {WORD}] <= host_dat_q;",
+            f"  wire {name}_stb = stb & (space == 3'd{space}) & (item < {count}){'' if held == 'inputs_q' else ' & ~host_we_q'};",
         ]
-    else:
-        lines.append("  wire input_stb = 1'b0;")
+        acks.append(f"{name}_stb")
+        reads.append(f"{name}_stb ? {held}[{WORD} * item +: {WORD}]")
+    for point in device.points:  # bits that no port drives
+        held = words[point.name] if point.kind == "register" else range(0)
+        spare = WORD * len(held) - point.bits * point.count
+        if spare > 0:
+            lines.append(f"  assign outputs[{WORD * held.stop - spare} +: {spare}] = {spare}'d0;")
+    if inputs:
+        lines += [
+            "  always @(posedge clk_i)",
+            f"    if (inputs_stb && host_we_q) inputs_q[{WORD} * item +: {WORD}] <= host_dat_q;",
+        ]
     if memory:
         lines += [
-            f"  wire memory_stb = host_stb_q & (host_adr_q[18:16] != 3'd{INPUTS_SPACE});",
+            f"  wire memory_stb = host_stb_q & (space != 3'd{INPUTS_SPACE}) & (space != 3'd{OUTPUTS_SPACE});",
             "  wire memory_ack, memory_err;",
-            "  assign host_ack_o = input_stb | memory_ack;",
-            "  assign host_err_o = memory_err | (host_stb_q & ~memory_stb & ~input_stb);",
+            "  wire [15:0] memory_read;",
+            f"  wire none_stb = stb & ~({' | '.join([*acks, 'memory_stb'])});",
         ]
+        acks.append("memory_ack")
+        errors.append("memory_err")
     else:
-        lines += ["  assign host_ack_o = input_stb;", "  assign host_err_o = host_stb_q & ~input_stb;"]
+        lines.append(f"  wire none_stb = stb & ~({' | '.join(acks or [ZERO])});")
+    lines += [
+        f"  assign host_ack_o = {' | '.join(acks or [ZERO])};",
+        f"  assign host_err_o = {' | '.join([*errors, 'none_stb'])};",
+        f"  assign host_dat_o = {' : '.join([*reads, 'memory_read' if memory else NOTHING])};",
+    ]
+    core = "u_device.u_core"
     lines += [
         "",
-        "  // Outputs are read through the line:",
+        "  // What the device does not bring out is taken from inside:",
+        *(f"  assign {name} = {core}.{name};" for name in ("events_o", "listen_only_o", "rx_active_o", "idle_o", "write_stb_o")),
+        *(f"  assign write_{part}_o = {core}.grant_{part}_o;" for part in ("space", "first", "last", "file")),
+    ]
+    lines += [
+        "",
         "  // verilator lint_off PINCONNECTEMPTY",
         f"  {device.name} #({', '.join(passed)}) u_device (",
         ",\n".join(f"    {bind}" for bind in binds),
@@ -195,45 +239,3 @@ def wrapper(device: Device) -> str:
     ]
     return "\n".join(lines) + "\n"
 
-
-PORTS = """\
-) (
-  input  wire        clk_i,
-  input  wire        rst_i,
-  input  wire        rxd_i,
-  output wire        txd_o,
-  output wire        de_o,
-
-  // What the map does not ask for is open:
-  // verilator lint_off UNUSED
-  input  wire [7:0]  address_i,
-  input  wire [15:0] bit_time_i,
-  input  wire [1:0]  format_i,
-  input  wire        busy_i,
-  input  wire [3:0]  failure_i,
-  input  wire [7:0]  exception_status_i,
-  input  wire        run_indicator_i,
-  input  wire [15:0] diagnostic_i,
-
-  // Initial contents, written by the bridge
-  input  wire        host_stb_i,
-  input  wire [18:0] host_adr_i,
-  input  wire [15:0] host_dat_i,
-  output wire        host_ack_o,
-  output wire        host_err_o
-);
-
-  // Each input passes a register, as in modbus_live
-  reg         rst_q = 1'b1, rxd_q = 1'b1, host_stb_q = 1'b0;
-  reg  [18:0] host_adr_q = 19'd0;
-  reg  [15:0] host_dat_q = 16'd0;
-  // verilator lint_on UNUSED
-
-  always @(posedge clk_i) begin
-    rst_q      <= rst_i;
-    rxd_q      <= rxd_i;
-    host_stb_q <= host_stb_i;
-    host_adr_q <= host_adr_i;
-    host_dat_q <= host_dat_i;
-  end
-"""

@@ -51,7 +51,7 @@ def flow(value: Any) -> str:
     yaml.default_flow_style = True
     yaml.allow_unicode = True
     out = io.StringIO()
-    yaml.dump(value, out)
+    yaml.dump(dump.quoted(value), out)
     return out.getvalue().removesuffix("\n").removesuffix("\n...")
 
 

@@ -72,36 +72,28 @@ def telegraf(device: Device) -> str:
         '  timeout = "1s"',
         '  configuration_type = "request"',
     ]
-    groups: dict[tuple[str, str], list[Point]] = {}
+    groups: dict[tuple[str, str], list[tuple[Point, int]]] = {}
     for point in _readable(device):
         if not _text_reversed(point):
             little = point.word_order == "little" and point.width > 1
-            groups.setdefault((point.table, "CDAB" if little else "ABCD"), []).append(point)
+            group = groups.setdefault((point.table, "CDAB" if little else "ABCD"), [])
+            group += [(point, item) for item in range(point.count)]
     offsets = {}
-    for (table, order), points in groups.items():
-        lines += ["", "  [[inputs.modbus.request]]", f"    slave_id = {line.address}"]
-        if table.endswith("registers"):
-            lines.append(f'    byte_order = "{order}"')
-        lines += [
-            f'    register = "{TELEGRAF_REGISTERS[table]}"',
-            f"    measurement = {_quoted(device.name)}",
-            "    fields = [",
-        ]
-        for point in points:
-            for item in range(point.count):
-                facts = [f"address={point.addresses(item)[0]}", f'name="{shared.item_name(point, item)}"']
-                if point.is_string:
-                    facts += ['type="STRING"', f"length={point.width}"]
-                elif not point.is_bit:
-                    facts.append(f'type="{TELEGRAF_TYPES[point.type]}"')
-                    if point.scale != 1.0:
-                        facts += [f"scale={float(point.scale)!r}", 'output="FLOAT64"']
-                    elif point.offset:
-                        facts.append('output="FLOAT64"')
-                lines.append(f"      {{{', '.join(facts)}}},")
+    for (table, order), group in groups.items():
+        for items in _within(group, shared.most(device, table)):
+            lines += ["", "  [[inputs.modbus.request]]", f"    slave_id = {line.address}"]
+            if table.endswith("registers"):
+                lines.append(f'    byte_order = "{order}"')
+            lines += [
+                f'    register = "{TELEGRAF_REGISTERS[table]}"',
+                f"    measurement = {_quoted(device.name)}",
+                "    fields = [",
+            ]
+            for point, item in items:
+                lines.append(f"      {{{', '.join(_telegraf_field(point, item))}}},")
                 if point.offset:
                     offsets[shared.item_name(point, item)] = point.offset
-        lines.append("    ]")
+            lines.append("    ]")
     if offsets:
         rows = ", ".join(f'"{name}": {float(offset)!r}' for name, offset in offsets.items())
         lines += [
@@ -119,6 +111,34 @@ def telegraf(device: Device) -> str:
             "'''",
         ]
     return "\n".join(lines) + "\n"
+
+
+def _within(group: list[tuple[Point, int]], most: int) -> list[list[tuple[Point, int]]]:
+    """Items by address, cut where one request would fetch more than `most`. The plugin joins no two requests."""
+    made: list[list[tuple[Point, int]]] = []
+    first = 0
+    for point, item in sorted(group, key=lambda one: one[0].addresses(one[1])[0]):
+        addresses = point.addresses(item)
+        if point.width > most:
+            continue
+        if not made or addresses[-1] - first >= most:
+            made.append([])
+            first = addresses[0]
+        made[-1].append((point, item))
+    return made
+
+
+def _telegraf_field(point: Point, item: int) -> list[str]:
+    facts = [f"address={point.addresses(item)[0]}", f'name="{shared.item_name(point, item)}"']
+    if point.is_string:
+        facts += ['type="STRING"', f"length={point.width}"]
+    elif not point.is_bit:
+        facts.append(f'type="{TELEGRAF_TYPES[point.type]}"')
+        if point.scale != 1.0:
+            facts += [f"scale={float(point.scale)!r}", 'output="FLOAT64"']
+        elif point.offset:
+            facts.append('output="FLOAT64"')
+    return facts
 
 
 # ---------------------------------------------------------------- Home Assistant
@@ -250,42 +270,17 @@ def _references(point: Point, item: int) -> list[list[Any]]:
 def web_of_things(device: Device) -> str:
     """A Thing Description 1.1 with the Modbus binding; values are numbers before scale and offset, which stand beside."""
     properties: dict[str, Any] = {}
-    for _, points in device.tables():
+    for table, points in device.tables():
         for point in points:
-            read = point.readable and device.has_function(READ_FUNCTION[point.table])
-            if not read and not point.writable:
-                continue
-            one: dict[str, Any] = _wot_schema(point)
-            about = {
-                "title": shared.item_doc(point, 0).removesuffix(" 0") if point.is_array else shared.item_doc(point, 0),
-                **({"description": point.doc} if point.doc else {}),
-            }
-            schema = (
-                {"type": "array", "items": one, "minItems": point.count, "maxItems": point.count}
-                if point.is_array
-                else one
-            )
-            form: dict[str, Any] = {
-                "href": f"/{device.line.address}/{point.at}?quantity={point.size}",
-                "op": [*(["readproperty"] if read else []), *(["writeproperty"] if point.writable else [])],
-                "contentType": "application/octet-stream",
-                "modv:entity": WOT_ENTITY[point.table],
-                "modv:type": "xsd:string" if point.is_string else WOT_TYPES[point.type],
-                "modv:zeroBasedAddressing": True,
-            }
-            if point.width > 1:
-                form["modv:mostSignificantByte"] = True
-                form["modv:mostSignificantWord"] = point.word_order == "big"
-            properties[point.name] = {
-                **about,
-                **schema,
-                **({"unit": point.unit} if point.unit else {}),
-                **({"map:scale": float(point.scale), "map:offset": float(point.offset)} if point.is_scaled else {}),
-                "readOnly": not point.writable,
-                "writeOnly": not read,
-                "observable": False,
-                "forms": [form],
-            }
+            read = point.readable and device.has_function(READ_FUNCTION[table])
+            write = point.writable
+            limits = [shared.most(device, table)] * read + [shared.most(device, table, True)] * write
+            items = min(limits, default=0) // point.width
+            if not items and read:  # written in no request, but read
+                write, items = False, shared.most(device, table) // point.width
+            for first in range(0, point.count, items) if items else ():
+                name, part = _wot_property(device, point, first, min(items, point.count - first), read, write)
+                properties[name] = part
     thing = {
         "@context": [
             "https://www.w3.org/2022/wot/td/v1.1",
@@ -305,6 +300,38 @@ def web_of_things(device: Device) -> str:
         "properties": properties,
     }
     return json.dumps(thing, indent=2, ensure_ascii=False) + "\n"
+
+
+def _wot_property(
+    device: Device, point: Point, first: int, count: int, read: bool, write: bool
+) -> tuple[str, dict[str, Any]]:
+    """(name, description) of `count` items of a point: all of them, or as many as a request may have."""
+    one = _wot_schema(point)
+    whole = count == point.count
+    title = shared.item_doc(point, 0).removesuffix(" 0") if point.is_array else shared.item_doc(point, 0)
+    schema = {"type": "array", "items": one, "minItems": count, "maxItems": count} if point.is_array else one
+    form: dict[str, Any] = {
+        "href": f"/{device.line.address}/{point.addresses(first)[0]}?quantity={count * point.width}",
+        "op": [*(["readproperty"] if read else []), *(["writeproperty"] if write else [])],
+        "contentType": "application/octet-stream",
+        "modv:entity": WOT_ENTITY[point.table],
+        "modv:type": "xsd:string" if point.is_string else WOT_TYPES[point.type],
+        "modv:zeroBasedAddressing": True,
+    }
+    if point.width > 1:
+        form["modv:mostSignificantByte"] = True
+        form["modv:mostSignificantWord"] = point.word_order == "big"
+    return point.name if whole else f"{point.name}_{first}", {
+        "title": title if whole else f"{title} {first} to {first + count - 1}",
+        **({"description": point.doc} if point.doc else {}),
+        **schema,
+        **({"unit": point.unit} if point.unit else {}),
+        **({"map:scale": float(point.scale), "map:offset": float(point.offset)} if point.is_scaled else {}),
+        "readOnly": not write,
+        "writeOnly": not read,
+        "observable": False,
+        "forms": [form],
+    }
 
 
 def _wot_schema(point: Point) -> dict[str, Any]:

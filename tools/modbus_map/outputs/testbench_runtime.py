@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""The part of test_NAME.py that is the same for each device; testbench.py copies it, with the table of points between."""
+"""The part of test_NAME.py that is the same for each device; testbench.py puts the table of points between."""
 
 # ---- head, copied from here
 import itertools
@@ -184,7 +184,9 @@ class Bench:
                 byte |= int(dut.txd_o.value) << n
             await Timer(BIT_NS, "ns")
             bit = int(dut.txd_o.value)
-            assert bit == (1 if PARITY_ODD is None else byte.bit_count() & 1 ^ PARITY_ODD), "parity or stop bit is wrong"
+            assert bit == (1 if PARITY_ODD is None else byte.bit_count() & 1 ^ PARITY_ODD), (
+                "parity or stop bit is wrong"
+            )
             if PARITY_ODD is not None:
                 await Timer(BIT_NS, "ns")
                 assert int(dut.txd_o.value), "no stop bit"
@@ -206,7 +208,9 @@ class Bench:
         if code:
             return code, []
         size = (quantity + 7) // 8 if table in BIT_TABLES else 2 * quantity
-        assert data[0] == size == len(data) - 1, f"{table} {at}: byte count {data[0]}, {len(data) - 1} bytes, not {size}"
+        assert data[0] == size == len(data) - 1, (
+            f"{table} {at}: byte count {data[0]}, {len(data) - 1} bytes, not {size}"
+        )
         if table in BIT_TABLES:
             return 0, [data[1 + n // 8] >> n % 8 & 1 for n in range(quantity)]
         return 0, list(struct.unpack(f">{quantity}H", data[1:]))
@@ -297,7 +301,11 @@ class Bench:
         dut = self.dut
         await FallingEdge(dut.clk_i)
         dut.host_cyc_i.value = dut.host_stb_i.value = 1
-        dut.host_we_i.value, dut.host_adr_i.value, dut.host_dat_i.value = int(value is not None), space << 16 | item, value or 0
+        dut.host_we_i.value, dut.host_adr_i.value, dut.host_dat_i.value = (
+            int(value is not None),
+            space << 16 | item,
+            value or 0,
+        )
         for _ in range(2000):
             await FallingEdge(dut.clk_i)
             if int(dut.host_ack_o.value) or int(dut.host_err_o.value):
@@ -352,7 +360,13 @@ async def inputs_are_read_whole(dut):
     """An input of several registers that changes in every clock is read as of one clock."""
     bench = await Bench(dut).begin()
     for point in POINTS:
-        if point.kind != "wire" or point.freeze or point.width == 1 or point.width > MOST_READ or not can_read(point.table):
+        if (
+            point.kind != "wire"
+            or point.freeze
+            or point.width == 1
+            or point.width > MOST_READ
+            or not can_read(point.table)
+        ):
             continue
         pair = [{point.name: pattern(point, which)} for which in (0, 1)]
         task = cocotb.start_soon(bench.alternate([point], pair))
@@ -400,7 +414,9 @@ async def limits_are_kept(dut):
                     continue
                 if other.name != point.name or other.kind == "memory":
                     await bench.put(other, n, [other.good[0]])
-                parts = sorted([(point.place(item), point.words(point.bad[0])), (other.place(n), other.words(other.good[-1]))])
+                parts = sorted(
+                    [(point.place(item), point.words(point.bad[0])), (other.place(n), other.words(other.good[-1]))]
+                )
                 code = await bench.write(point.table, parts[0][0], [word for _, words in parts for word in words])
                 assert code == BAD_VALUE, f"{point.name} beside {other.name}: exception {code}"
                 for one in (point, other):
@@ -479,7 +495,12 @@ async def snapshots_are_of_one_moment(dut):
         task = cocotb.start_soon(bench.alternate(points, sets))
         if BROADCAST:
             function = 5 if 5 in FUNCTIONS else 15
-            await bench.send(0, struct.pack(">BHH", 5, coil.at, 0xFF00) if function == 5 else struct.pack(">BHHBB", 15, coil.at, 1, 1, 1))
+            await bench.send(
+                0,
+                struct.pack(">BHH", 5, coil.at, 0xFF00)
+                if function == 5
+                else struct.pack(">BHHBB", 15, coil.at, 1, 1, 1),
+            )
             assert await bench.receive() == b"", "a broadcast was answered"
             await ClockCycles(dut.clk_i, SILENCE)
         else:
@@ -532,7 +553,9 @@ async def reads_behind_its_writes(dut):
                 words = point.words(value)
                 head = struct.pack(">HHHHB", point.at, point.width, point.at, point.width, 2 * point.width)
                 code, data = await bench.ask(23, *head, *struct.pack(f">{point.width}H", *words))
-                assert code == 0 and list(struct.unpack(f">{point.width}H", data[1:])) == words, f"{point.name}: {data.hex(' ')}"
+                assert code == 0 and list(struct.unpack(f">{point.width}H", data[1:])) == words, (
+                    f"{point.name}: {data.hex(' ')}"
+                )
 
 
 @cocotb.test(skip=not any(p.kind == "memory" for p in POINTS))
@@ -611,7 +634,9 @@ def main():
     )
     results = build / "results.xml"
     sys.path.insert(0, str(here))
-    simulator.test(hdl_toplevel=NAME, test_module=f"test_{NAME}", build_dir=build, test_dir=build, results_xml=str(results))
+    simulator.test(
+        hdl_toplevel=NAME, test_module=f"test_{NAME}", build_dir=build, test_dir=build, results_xml=str(results)
+    )
     tests, failed = get_results(results)
     print(f"{tests - failed} passed, {failed} failed")
     sys.exit(1 if failed or not tests else 0)

@@ -155,17 +155,15 @@ def settings(device: Device) -> list[str]:
     if not device.line.run_time:
         names = [*core_parameters.settings(), *OF_THE_BIT]
         lines = [f"  localparam integer {name} = {device.core_parameter(name)};" for name in names]
+        lines += [f"  localparam integer {name} = {value};" for name, value in core_parameters.ASCII.items()]
         return [*lines, "", '`include "modbus_settings_value.vh"', ""]
-    widths = {"DE_TAIL": 4, "DE_LEAD": 4, "STALL_LIMIT": 16, "RESPONSE_DELAY": 12, "DROP_LATE": 1}
-    widths |= {"STRICT_TURNAROUND": 1, "GAP_COUNT_ONLY": 1, "BROADCAST": 1}
-    fields = "4'd0, " + ", ".join(f"{width}'d{device.core_parameter(name)}" for name, width in widths.items())
-    return [
-        "  // No fraction of a bit; driver tail and lead, stall limit, response delay, drop late, strict, gap count only, broadcast",
-        "  wire [`MB_SETTINGS_WIDTH-1:0] SETTINGS = {",
-        f"    {fields}, format_i, bit_time_i, address_i",
-        "  };",
-        "",
-    ]
+    values = {"ADDRESS": "address_i", "BIT_TIME": "bit_time_i", "FORMAT": "format_i", "BIT_FRACTION": "4'd0"}
+    values |= dict.fromkeys(("ASCII", "EIGHT_BITS"), "1'b0") | {"ASCII_EXTRA": "2'd0"}
+    lines = ["  wire [`MB_SETTINGS_WIDTH-1:0] SETTINGS;"]
+    for macro, name, width in core_parameters.fields():
+        value = values.get(name) or f"{width}'d{device.core_parameter(name)}"
+        lines.append(f"  assign SETTINGS[`{macro}] = {value};")
+    return [*lines, ""]
 
 
 def core_values(device: Device) -> list[tuple[str, str]]:

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""Masters that come and go without a pause, stop the terminal, write in pieces, ask for hours: nothing is lost."""
+
+import fcntl
+import os
+import select
+import statistics
+import termios
+import threading
+import time
+from contextlib import ExitStack
+
+import pytest
+from harness.volume import volume
+from protocol import frames
+from protocol.defs import FC
+
+from live.controlled import Controlled
+from live.serve import Port, Serve, request
+
+READ = request(frames.read(FC.READ_HOLDINGS, 0, 2))
+ANSWER = request(b"\x03\x04\0\0\0\0")
+LONG = request(frames.read(FC.READ_HOLDINGS, 0, 60))
+TIOCEXCL = 0x540C
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Where links of this module live."""
+    return tmp_path_factory.mktemp("clients")
+
+
+@pytest.fixture(scope="module")
+def device(folder):
+    """The reference device."""
+    with Serve(folder / "bus") as running:
+        yield running
+
+
+def raw(file):
+    """Settings of a master: raw, no waiting. The ones before."""
+    before = termios.tcgetattr(file)
+    termios.tcsetattr(
+        file, termios.TCSANOW, [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, *before[4:6], [b"\0"] * 32]
+    )
+    return before
+
+
+def connect_read_close(link):
+    """As libmodbus does it; the bytes of the answer."""
+    file = os.open(link, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    before = raw(file)
+    os.write(file, READ)
+    got = b""
+    while len(got) < len(ANSWER) and select.select([file], [], [], 1)[0]:
+        try:
+            got += os.read(file, 100)
+        except BlockingIOError:  # readable, and nothing is there: a master takes that for an error
+            break
+    termios.tcsetattr(file, termios.TCSANOW, before)
+    os.close(file)
+    return got
+
+
+def test_connect_read_close_without_a_pause(device, record_property):
+    """The end of a client takes nothing of the next."""
+    count = volume("reopened clients")
+    lost = [n for n in range(count) if connect_read_close(device.link) != ANSWER]
+    record_property("figures", [f"live: {len(lost)} of {count} clients without a pause between them lost"])
+    assert not lost, f"{len(lost)} of {count}: {lost[:20]}"
+
+
+def test_write_then_close_is_still_played(folder):
+    """A broadcast of a client that has gone is obeyed; an answer is for nobody."""
+    with Controlled(folder / "gone") as running:
+        for value in range(30):
+            with Port(running.link) as port:
+                port.write(request(frames.write_register(9, value), 0))
+            running.wait_for("silence", verdict="broadcast")
+            assert running.read(3, 9) == [value]
+        for _ in range(10):
+            with Port(running.link) as port:
+                port.write(READ)
+            time.sleep(0.002)
+            with Port(running.link) as port:
+                assert port.read(0.04) == b"", "the answer to the one before"
+                assert port.ask(READ, ANSWER) == ANSWER
+
+
+def test_stopped_output_is_for_one_client_only(device):
+    """tcflow(TCOOFF) of a client ends with it."""
+    file = os.open(device.link, os.O_RDWR | os.O_NOCTTY)
+    termios.tcflow(file, termios.TCOOFF)
+    os.close(file)
+    time.sleep(0.05)
+    file = os.open(device.link, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        raw(file)
+        assert os.write(file, READ) == len(READ)
+        assert select.select([file], [], [], 2)[0], "the next client is blocked"
+    finally:
+        os.close(file)
+
+
+def test_exclusive_mode_is_for_one_client_only(device):
+    file = os.open(device.link, os.O_RDWR | os.O_NOCTTY)
+    fcntl.ioctl(file, TIOCEXCL)
+    os.close(file)
+    time.sleep(0.05)
+    assert connect_read_close(device.link) == ANSWER
+
+
+def test_two_clients_get_a_warning(folder):
+    with Serve(folder / "two") as running:
+        with Port(running.link) as first:
+            assert first.ask(READ, ANSWER) == ANSWER
+            assert "programs have the port open" not in running.stderr()
+            with Port(running.link) as second:
+                second.write(READ)
+                time.sleep(0.1)
+                assert running.stderr().count("2 programs have the port open") == 1
+
+
+# ---------------------------------------------------------------------- gaps and pieces
+
+
+@pytest.mark.parametrize("gap_ms, least", [(0.31, 11), (0.57, 6)])
+def test_gap_that_t15_allows_is_answered_at_115200(folder, gap_ms, least, record_property):
+    """t1.5 is 0.75 ms there. The gap is between the last bit of the first piece and the first of the second.
+
+    A gap can become longer on its way through a busy machine: the best of some rounds counts. Beside other tests not
+    every gap of 0.57 ms is kept; alone all are.
+    """
+    sent = 4 * 11 / 115200
+    rounds = []
+    with Serve(folder / f"gap{gap_ms}", BAUD=115200) as running, Port(running.link) as port:
+        assert port.ask(READ, ANSWER) == ANSWER
+        for _ in range(10):
+            good = 0
+            for _ in range(12):
+                time.sleep(0.02)
+                port.write(READ[:4])
+                until = time.monotonic() + sent + gap_ms / 1000
+                while time.monotonic() < until:
+                    pass
+                port.write(READ[4:])
+                good += port.read(0.1, len(ANSWER)) == ANSWER
+            rounds.append(good)
+            if good == 12:
+                break
+    record_property("figures", [f"live: {max(rounds)} of 12 answered with a gap of {gap_ms} ms at 115200 baud"])
+    assert max(rounds) >= least, f"answered of 12: {rounds}"
+
+
+def pieces(port, frame, size):
+    """The pieces in which an answer comes."""
+    port.write(frame)
+    found = []
+    while sum(map(len, found)) < size:
+        assert select.select([port.file], [], [], 2)[0], found
+        found.append(os.read(port.file, 1024))
+    return found
+
+
+def test_answer_comes_in_one_piece(device):
+    """What a master reads at once is the whole answer, though its bytes take 70 ms."""
+    with Port(device.link) as port:
+        for _ in range(10):
+            assert [len(piece) for piece in pieces(port, LONG, 125)] == [125]
+
+
+def test_hold_sets_how_long_an_answer_is_kept(folder):
+    with Serve(folder / "bytes", HOLD=0) as running, Port(running.link) as port:
+        assert len(pieces(port, LONG, 125)) > 40
+    with Serve(folder / "adapter", HOLD=16) as running, Port(running.link) as port:
+        assert 4 <= len(pieces(port, LONG, 125)) <= 6
+
+
+def test_slow_line_does_not_keep_a_master_waiting(folder):
+    """A long answer at a low rate comes in parts, the first well before a master gives up."""
+    with Serve(folder / "slow", BAUD=600) as running, Port(running.link) as port:
+        frame = request(frames.read(FC.READ_HOLDINGS, 0, 20))
+        port.write(frame)
+        begun = time.monotonic() + len(frame) * 11 / 600 + 38.5 / 600
+        assert port.read(3)
+        assert time.monotonic() - begun < 0.45
+
+
+# ---------------------------------------------------------------------- load
+
+
+def test_priority_is_asked_for_again_and_said(folder):
+    """A device that was stopped says how late it was, and is as quick as before a second later."""
+    with Serve(folder / "late", BAUD=19200) as running, Port(running.link) as port:
+        assert port.ask(READ, ANSWER) == ANSWER
+
+        def policy():
+            return os.sched_getscheduler(running.process.pid)
+
+        had = policy()
+        port.write(READ)
+        time.sleep(0.003)
+        os.kill(running.process.pid, 19)
+        time.sleep(0.3)
+        os.kill(running.process.pid, 18)
+        assert port.read(2, len(ANSWER)) == ANSWER
+        assert "ms late" in running.stderr()
+        if had == os.SCHED_RR:
+            assert "real-time priority is given up for a second" in running.stderr()
+        deadline = time.monotonic() + 3
+        while policy() != had:
+            assert time.monotonic() < deadline, "not asked for again"
+            assert port.ask(READ, ANSWER) == ANSWER
+
+
+def cpu_seconds(pid):
+    """What a process has used."""
+    with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
+        fields = stat.read().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def test_polled_device_takes_little_of_a_processor(folder, record_property):
+    """Ten polls a second at 19200 baud; it was half a processor."""
+    with Serve(folder / "cpu") as running, Port(running.link) as port:
+        frame = request(frames.read(FC.READ_HOLDINGS, 0, 10))
+        before, begun = cpu_seconds(running.process.pid), time.monotonic()
+        for n in range(30):
+            assert len(port.ask(frame, bytes(25))) == 25
+            time.sleep(max(0, begun + n / 10 - time.monotonic()))
+        used = (cpu_seconds(running.process.pid) - before) / (time.monotonic() - begun)
+    record_property("figures", [f"live: a device polled ten times a second takes {100 * used:.1f} % of a processor"])
+    assert used < 0.06, f"{100 * used:.1f} %"
+
+
+def poll(link, period, end, figures):
+    """Asks until `end`; (asked, lost, latenesses in ms)."""
+    frame, late, lost, asked = request(frames.read(FC.READ_HOLDINGS, 0, 10)), [], 0, 0
+    with Port(link) as port:
+        due = time.monotonic()
+        while time.monotonic() < end:
+            begun = time.monotonic()
+            answer = port.ask(frame, bytes(25))
+            asked += 1
+            lost += not (len(answer) == 25 and frames.check(answer))
+            late.append(1000 * (time.monotonic() - begun - (33 * 11 + 38.5) / 19200))
+            due += period
+            time.sleep(max(0, due - time.monotonic()))
+    figures.append((asked, lost, late))
+
+
+def test_many_devices_side_by_side(folder, record_property):
+    """Each at 19200 baud is polled ten times a second, and nothing is lost."""
+    count, seconds = volume("live devices"), volume("seconds of live devices")
+    with ExitStack() as stack:
+        links = [stack.enter_context(Serve(folder / f"side{n}")).link for n in range(count)]
+        figures = []
+        end = time.monotonic() + seconds
+        workers = [threading.Thread(target=poll, args=(link, 0.1, end, figures)) for link in links]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+    asked, lost = (sum(f[i] for f in figures) for i in (0, 1))
+    median = statistics.median([late for f in figures for late in f[2]])
+    said = (
+        f"live: {count} devices, {asked} requests in {seconds} s, {lost} lost, median {median:.2f} ms beyond line time"
+    )
+    record_property("figures", [said])
+    assert lost == 0, said
+
+
+def test_soak_by_two_masters_in_turn(folder, record_property):
+    """A master that stays, and one that comes for a request and goes; every answer is compared."""
+    count = volume("soak requests")
+    errors = []
+    with Serve(folder / "soak", BAUD=115200) as running, ExitStack() as stack:
+        port, asked = stack.enter_context(Port(running.link)), 0
+        while asked < count:
+            for value in range(25):
+                write = request(frames.write_register(asked & 1023, value))
+                if port.ask(write, write) != write:
+                    errors.append(asked)
+                asked += 1
+            stack.close()
+            read, wanted = request(frames.read(FC.READ_HOLDINGS, (asked - 1) & 1023, 1)), request(b"\x03\x02\0\x18")
+            for _ in range(5):
+                with Port(running.link) as other:
+                    if other.ask(read, wanted) != wanted:
+                        errors.append(-asked)
+                asked += 1
+            port = stack.enter_context(Port(running.link))
+    record_property("figures", [f"live: {len(errors)} errors in a soak of {asked} requests by two masters"])
+    assert not errors, f"{len(errors)} of {asked}: {errors[:20]}"
