@@ -76,6 +76,7 @@ module modbus_auto_line #(
 
   localparam integer AW = RUN_BITS;
   localparam [13:0] LONGEST = 14'h3FFF;
+  localparam [15:0] SHORT   = 16'd64;   // bit time of no rate, but legal
 
   // One state at a time; none: the line rests.
   reg record_q = 1'b0;               // the runs of a frame are recorded
@@ -86,7 +87,7 @@ module modbus_auto_line #(
 
   reg          locked_q = 1'b0;
   reg [1:0]    format_q = `MB_FORMAT_8N2;
-  reg [15:0]   bit_time_q = 16'd64;    // of use to nobody, but legal
+  reg [15:0]   bit_time_q = SHORT;
 
   // ------------------------------------------------------------------ line and ticks
 
@@ -287,6 +288,7 @@ module modbus_auto_line #(
 
     // What is found; the core takes nothing in while this changes
     if (judge || exact) bit_time_q <= judge ? measured[15:0] : rest_q[16:1];
+    if (rst_i) bit_time_q <= SHORT;      // the core does not wait for t3.5 of a rate that was
     if (accept) format_q <= chosen;
 
     // The state
@@ -338,7 +340,7 @@ module modbus_auto_line #(
     end
     if (de_i && $past(de_i)) assert (!record_q && !behind_q && !play_q);
     cover (behind_q && place_q == 10);
-    cover (play_q);
+    cover (judge_q);
   end
 `endif
 
