@@ -36,10 +36,12 @@ BY_THE_MAP = {
     "PRIVATE_OBJECTS": "identity: private",
     "CONFORMITY": "identity: conformity",
 }
+ONE_UNIT = "a device made from a map has one address; instantiate modbus_rtu_core for more"
 NO_ASCII = "a device made from a map has RTU mode alone; instantiate modbus_rtu_core for ASCII mode"
 ASCII = {"ASCII_MODE": 0, "ASCII": 0, "ASCII_DATA_BITS": 7, "ASCII_EXTRA": 0}  # as they are in its settings
 NOT_HERE = {
     "USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that",
+    **dict.fromkeys(("UNIT_SET", "UNIT_PORT"), ONE_UNIT),
     **dict.fromkeys((*ASCII, "ASCII_TIMEOUT_MS"), NO_ASCII),
     "BITS_PER_BEAT": "the bank that is made from a map takes one bit a beat",
 }
