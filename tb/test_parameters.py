@@ -62,6 +62,7 @@ LEGAL = [
     (SLAVE, {"FILE_COUNT": 65535, "FILE_RECORDS": 1}),
     (SLAVE, {**NO_TABLES, "FILE_COUNT": 1}),
     *((CORE, {"CONFORMITY": conformity}) for conformity in CONFORMITIES),
+    (CORE, {"UNIT_SET": 2, "UNIT_PORT": 1}),
     (CORE, {"DEVICE_ID_LIMIT": 9 + len("PRODUCT")}),
     (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80\0\x81\1a\xff\2bc")}),
     (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80" + bytes([LONGEST_OBJECT]) + b"a" * LONGEST_OBJECT)}),
@@ -89,6 +90,8 @@ ILLEGAL = [
     (CORE, {"MAX_BIT_TIME": 7}),
     (SLAVE, {"HOST_SETTINGS": 1, "HOST_MAP": 1, "MAX_BIT_TIME": 65536}),
     (CORE, {"GLITCH_FILTER": 256}),
+    (CORE, {"UNIT_SET": 1}),
+    (CORE, {"UNIT_PORT": 2}),
     *((top, {"BITS_PER_BEAT": bits}) for top in TOPS for bits in (0, 2, 8, 15, 17)),
     (IO, {"CLK_HZ": 27_000_000, "BAUD": 1_000_000, "GLITCH_FILTER": 7}),  # 27 clocks a bit
     (SLAVE, {"BAUD": 700}),  # 71429 clocks a bit

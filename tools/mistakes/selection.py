@@ -18,6 +18,8 @@ MODULES_ALONE = {
     "line": ("modbus_line.v", "modbus_frame_rx.v", "modbus_frame_tx.v", "modbus_line_timer.v", "modbus_uart.v"),
     "ascii": ("modbus_ascii.v",),
     "bank_guard": ("modbus_bank_guard.v",),
+    "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
+    "example_units": ("modbus_units.v", "modbus_example_units.v"),
     "sequencer": ("modbus_sequencer.v",),
     "range": ("modbus_range.v",),
     "burst": ("modbus_burst.v",),

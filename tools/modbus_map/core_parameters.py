@@ -36,6 +36,7 @@ BY_THE_MAP = {
     "PRIVATE_OBJECTS": "identity: private",
     "CONFORMITY": "identity: conformity",
 }
+ONE_UNIT = "a device made from a map has one address; instantiate modbus_rtu_core for more"
 NO_ASCII = "a device made from a map has RTU mode alone; instantiate modbus_rtu_core for ASCII mode"
 
 
@@ -47,6 +48,7 @@ def _declared() -> list[tuple[str, str, str, str]]:
 
 NOT_HERE = {
     "USER_CODES": "a device made from a map has no user port; instantiate modbus_rtu_core for that",
+    **dict.fromkeys(("UNIT_SET", "UNIT_PORT"), ONE_UNIT),
     **{name: NO_ASCII for _, name, _, _ in _declared() if name.startswith("ASCII")},
     "BITS_PER_BEAT": "the bank that is made from a map takes one bit a beat",
 }

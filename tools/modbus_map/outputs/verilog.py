@@ -209,7 +209,7 @@ def core(device: Device, ports: list[Port]) -> list[str]:
         ".clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(SETTINGS),",
         ".host_state_i(`MB_HOST_AT_REST), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),",
         ".user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(), .status_ack_o(),",
-        f".write_stb_o(), .events_o(), .alive_o({alive}), .rx_active_o(), .listen_only_o(), .idle_o(),",
+        f".write_stb_o(), .events_o(), .alive_o({alive}), .rx_active_o(), .listen_only_o(), .unit_o(), .idle_o(),",
     ]
     return [
         f"  // Function codes {codes}",
