@@ -70,6 +70,8 @@ MODULES = {
         "examples.example_units",
     ),
     "bank_ram_wide": ("modbus_bank_ram", {**TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
+    "bank_io_read_back": ("modbus_bank_io", {**IO_TABLES, "READ_BACK_RAM": 1}, "bank.bank_bus"),
+    "bank_io_read_back_one": ("modbus_bank_io", {"HOLDING_COUNT": 1, "READ_BACK_RAM": 1}, "bank.bank_bus"),
     "bank_io_wide": ("modbus_bank_io", {**IO_TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "example_user": ("modbus_example_user", {"WORK_CLOCKS": 300}, "examples.example_user"),
     "pdm_record": ("modbus_pdm_record", {"DEPTH": 32}, "examples.pdm_record"),

@@ -52,6 +52,7 @@ LEGAL = [
     (SLAVE, {"BITS_PER_BEAT": 16, "COIL_BASE": 7, "COIL_COUNT": 65529}),
     (IO, {"BITS_PER_BEAT": 16, "COIL_BASE": 65535, "COIL_COUNT": 1, "DISCRETE_COUNT": 0}),
     (IO, {"COIL_COUNT": 1, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
+    *((IO, {"READ_BACK_RAM": 1, "HOLDING_COUNT": count}) for count in (0, 1, 300)),
     (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS])}),
     *((CORE, {"FUNCTION_CODES": function_mask([code])}) for code in sorted(ALL_FUNCTIONS)),
     (CORE, {"FUNCTION_CODES": 0, "USER_CODES": function_mask(range(1, 128))}),
@@ -157,6 +158,7 @@ ILLEGAL = [
     ("modbus_axil_master", {"OVERLAY": 1}),
     (IO, {"FILE_COUNT": 1}),
     (IO, {"OVERLAY": 1}),
+    *((IO, {"READ_BACK_RAM": value}) for value in (-1, 2)),
     ("modbus_example_ram", {"WORDS": 65537}),
 ]
 

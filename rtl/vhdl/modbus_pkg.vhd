@@ -168,6 +168,7 @@ package modbus_pkg is
       FILE_COUNT            : natural                         := 0;
       FILE_RECORDS          : natural                         := 256;
       OVERLAY               : natural                         := 0;
+      READ_BACK_RAM         : natural                         := 0;
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
@@ -443,6 +444,7 @@ package modbus_pkg is
   component modbus_bank_io is
     generic (
       BITS_PER_BEAT   : natural := 1;
+      READ_BACK_RAM   : natural := 0;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 16;
       DISCRETE_BASE   : natural := 0;

@@ -18,7 +18,6 @@ from modbus_map.rtl_text import aligned, bits, packed
 ROOT = Path(__file__).resolve().parents[3]
 CORE_FOLDER = "$(MODBUS_RTU)"  # in NAME.f: the folder of this project
 
-OF_THE_BIT = ("BIT_FRACTIONS", "GLITCH_FILTER")  # of the core, and BAUD is judged by them
 TEXTS = {
     "VENDOR_NAME": "vendor",
     "PRODUCT_CODE": "product",
@@ -152,16 +151,19 @@ def binds_of(point) -> list[str]:
 
 def settings(device: Device) -> list[str]:
     """What becomes settings_i."""
+    known = core_parameters.parameters()
     if not device.line.run_time:
-        names = [*core_parameters.settings(), *OF_THE_BIT]
-        lines = [f"  localparam integer {name} = {device.core_parameter(name)};" for name in names]
-        lines += [f"  localparam integer {name} = {value};" for name, value in core_parameters.ASCII.items()]
+        values = {
+            name: device.core_parameter(name) if name in known else default
+            for name, default in core_parameters.of_the_value().items()
+        }
+        lines = [f"  localparam integer {name} = {value};" for name, value in values.items()]
         return [*lines, "", '`include "modbus_settings_value.vh"', ""]
-    values = {"ADDRESS": "address_i", "BIT_TIME": "bit_time_i", "FORMAT": "format_i", "BIT_FRACTION": "4'd0"}
-    values |= dict.fromkeys(("ASCII", "EIGHT_BITS"), "1'b0") | {"ASCII_EXTRA": "2'd0"}
+    values = {"ADDRESS": "address_i", "BIT_TIME": "bit_time_i", "FORMAT": "format_i"}
     lines = ["  wire [`MB_SETTINGS_WIDTH-1:0] SETTINGS;"]
     for macro, name, width in core_parameters.fields():
-        value = values.get(name) or f"{width}'d{device.core_parameter(name)}"
+        off = 0  # what a map cannot set is off
+        value = values.get(name) or f"{width}'d{device.core_parameter(name) if name in known else off}"
         lines.append(f"  assign SETTINGS[`{macro}] = {value};")
     return [*lines, ""]
 
