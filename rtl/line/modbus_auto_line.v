@@ -340,7 +340,7 @@ module modbus_auto_line #(
     end
     if (de_i && $past(de_i)) assert (!record_q && !behind_q && !play_q);
     cover (behind_q && place_q == 10);
-    cover (judge_q);
+    cover (snap_q);
   end
 `endif
 
