@@ -99,7 +99,7 @@ def test_noise_does_not_lock(device):
     assert locks <= 3 + 8 * count // 65536, f"{locks} times in {count} frame times"
 
 
-FAULTS = ({"offset": 0.02}, {"offset": -0.02}, {"skew": 0.05}, {"jitter": 0.05}, {"gap": 1.0})
+FAULTS = ({"offset": 0.02}, {"offset": -0.02}, {"skew": 0.03}, {"jitter": 0.05}, {"gap": 1.0})
 
 
 @pytest.mark.parametrize("faults", FAULTS, ids=str)
