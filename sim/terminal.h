@@ -55,6 +55,7 @@ class Endpoint {
   virtual void send(const std::vector<uint8_t> &data) = 0;       // what is not fetched is lost, as on a line
   virtual void drop_unread() {}              // answers that the last client has left
   virtual void reset(bool) {}                // the state a new client finds; true: nobody has opened it yet
+  virtual bool lost() const { return false; }  // it will never have a byte again
 };
 
 // The pseudo-terminal. Its slave side stays open here, else reading fails whenever the last client leaves.
@@ -186,8 +187,8 @@ class SerialPort : public Endpoint {
     uint8_t data[4096];
     const ssize_t n = read(fd_, data, sizeof data);
     if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) {
-      fprintf(stderr, "serve: PORT=%s: the port has gone\n", path_.c_str());
-      exit(EXIT_FAILURE);
+      if (!lost_) fprintf(stderr, "serve: PORT=%s: the port has gone\n", path_.c_str());
+      lost_ = true;
     }
     for (ssize_t i = 0; i < n; ++i) take(data[i], characters);
     return n > 0;
@@ -213,6 +214,9 @@ class SerialPort : public Endpoint {
     }
   }
 
+  bool lost() const override { return lost_; }
+
   std::string path_;
+  bool lost_ = false;
   int fd_ = -1, marks_ = 0;  // bytes of a mark seen
 };
