@@ -49,7 +49,7 @@ class Endpoint {
  public:
   virtual ~Endpoint() = default;
   virtual int bytes() const = 0;             // descriptor that is readable when bytes have come
-  virtual int comings() const { return -1; } // descriptor that is readable when a client comes or goes
+  virtual int comings() const { return -1; } // descriptor that is readable when a client comes, goes or writes
   virtual Changes changes() { return {}; }
   virtual bool receive(std::vector<Character> &characters) = 0;  // false: nothing is there
   virtual void send(const std::vector<uint8_t> &data) = 0;       // what is not fetched is lost, as on a line
@@ -59,7 +59,8 @@ class Endpoint {
 };
 
 // The pseudo-terminal. Its slave side stays open here, else reading fails whenever the last client leaves.
-// Comings and goings of clients are seen through inotify.
+// Comings and goings of clients are seen through inotify; a write too, before the kernel has brought its bytes, which a
+// read then waits for.
 class Terminal : public Endpoint {
  public:
   explicit Terminal(unsigned baud) : baud_(baud) {
@@ -70,7 +71,7 @@ class Terminal : public Endpoint {
     if (slave_ < 0) fail_errno(name_);
     make_raw();
     inotify_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    if (inotify_ < 0 || inotify_add_watch(inotify_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0) fail_errno(name_);
+    if (inotify_ < 0 || inotify_add_watch(inotify_, name_.c_str(), IN_OPEN | IN_CLOSE | IN_MODIFY) < 0) fail_errno(name_);
   }
 
   const std::string &name() const { return name_; }
