@@ -4,8 +4,9 @@
 // clients - what masters have sent, with the time at which it came, and which of them has sent it.
 //
 // A thread reads: it sleeps until bytes come or a client comes or goes, so it gets a processor soon also where the
-// simulation is late or waits for one.  The simulation takes the news in their order, and looks for itself before it
-// lets time pass.  An answer reaches its own client or none: who the client is changes under the same lock.
+// simulation is late or waits for one.  The simulation takes the news in their order, and waits for bytes that have
+// come before it lets time pass.  It never holds up the thread.  An answer reaches its own client or none: who the
+// client is changes under the lock under which answers go.
 
 #pragma once
 
@@ -69,7 +70,7 @@ class Clients {
 
   // What has happened since the last call; `waiting` bytes of earlier news are still to be played.
   std::vector<News> news(size_t waiting) {
-    look(wall_s(), false);
+    if (waiting < QUEUE_LIMIT) await_reader();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (rung_) {
       uint64_t count;
@@ -93,60 +94,73 @@ class Clients {
     if (write(fd, &one, sizeof one) < 0) return;
   }
 
-  bool crowded() const { return waiting_ + kept_ >= QUEUE_LIMIT; }
+  // Bytes that the kernel has: until the reader has them too, but not for long.
+  void await_reader() {
+    const timespec slice{0, long(SLICE_S * 1e9)};
+    pollfd bytes{endpoint_.bytes(), POLLIN, 0}, told{news_fd_, POLLIN, 0};
+    if (poll(&bytes, 1, 0) > 0) ppoll(&told, 1, &slice, nullptr);
+  }
 
-  // Asleep until something happens, but not woken by a flood that finds no room.
+  // The thread: asleep until something happens, but not woken by a flood that finds no room.
   void read_on() {
+    const timespec slice{0, long(SLICE_S * 1e9)};
     for (double woken_s = wall_s();; woken_s = wall_s()) {
-      const bool full = look(woken_s, true);
+      const bool full = look(woken_s);
       if (lost_) return;
       pollfd wait[] = {{stop_fd_, POLLIN, 0}, {endpoint_.comings(), POLLIN, 0}, {full ? -1 : endpoint_.bytes(), POLLIN, 0}};
-      const timespec slice{0, long(SLICE_S * 1e9)};
       ppoll(wait, 3, full ? &slice : nullptr, nullptr);
       if (wait[0].revents) return;
     }
   }
 
-  // Takes what there is; true if there is no room for more.  It has come by `now`: to wait for the lock makes it no
-  // later.  Bytes are taken before a client is seen to come, so they are of the one before.
-  bool look(double now, bool tell) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    size_t first = take(now);
+  // Takes what there is, which has come by `now`; true if there is no room for more.  Bytes are taken before a client is
+  // seen to come, so they are of the one before.
+  bool look(double now) {
+    std::vector<News> found;
+    size_t last = take(now, found);
     Changes changes = endpoint_.changes();
     if (changes.left && !changes.returned) {  // what he wrote last
-      first = take(now);
+      last = take(now, found);
       const Changes more = endpoint_.changes();
       changes.opened |= more.opened;
       changes.clients = more.clients;
       changes.returned = more.clients > 0;
     }
+    const std::lock_guard<std::mutex> lock(mutex_);
     if (changes.left) {
       endpoint_.drop_unread();
       ++client_;
       if (changes.returned)  // what was taken last is of the next one
-        for (; first < news_.size(); ++first) news_[first].client = client_;
+        for (; last < found.size(); ++last) found[last].client = client_;
       endpoint_.reset(!changes.returned);
     }
     if (changes.left || changes.opened)
-      news_.push_back({now, client_, {}, changes.left, changes.opened, changes.clients});
+      found.push_back({now, client_, {}, changes.left, changes.opened, changes.clients});
+    for (News &one : found) keep(std::move(one));
     lost_ = endpoint_.lost();
-    if (tell && !rung_ && (lost_ || !news_.empty())) {
+    if (!rung_ && (lost_ || !news_.empty())) {
       ring(news_fd_);
       rung_ = true;
     }
-    return crowded();
+    return waiting_ + kept_ >= QUEUE_LIMIT;
   }
 
-  // Reads.  What exceeds the queue is dropped, so a flood can neither grow it nor stop us.  Index of the news it makes.
-  size_t take(double now) {
-    const size_t index = news_.size();
+  // Reads; index of the news that it makes, if there are some.
+  size_t take(double now, std::vector<News> &found) {
     std::vector<Character> characters;
     for (int i = 0; i < READS_AT_ONCE && endpoint_.receive(characters); ++i) {}
-    const size_t room = crowded() ? 0 : QUEUE_LIMIT - waiting_ - kept_;
-    if (characters.size() > room) characters.resize(room);
-    kept_ += characters.size();
-    if (!characters.empty()) news_.push_back({now, client_, std::move(characters), false, false, 0});
-    return index;
+    if (characters.empty()) return found.size();
+    found.push_back({now, client_, std::move(characters), false, false, 0});
+    return found.size() - 1;
+  }
+
+  // What exceeds the queue is dropped, so a flood can neither grow it nor stop us.
+  void keep(News one) {
+    const size_t used = waiting_ + kept_, room = used < QUEUE_LIMIT ? QUEUE_LIMIT - used : 0;
+    const bool change = one.characters.empty();
+    if (one.characters.size() > room) one.characters.resize(room);
+    kept_ += one.characters.size();
+    if (change || !one.characters.empty()) news_.push_back(std::move(one));
   }
 
   Endpoint &endpoint_;
@@ -155,7 +169,7 @@ class Clients {
   int news_fd_ = -1, stop_fd_ = -1;
   std::atomic<bool> lost_{false};
 
-  // Under the lock, as is `endpoint_`
+  // Under the lock; client_ is changed by the thread alone
   std::vector<News> news_;
   uint64_t client_ = 1;          // who is there, or will be next
   size_t waiting_ = 0, kept_ = 0;  // bytes that the simulation has; those of the news

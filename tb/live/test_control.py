@@ -319,7 +319,7 @@ def test_map_device_has_counters_and_log(folder):
         assert running.send(frames.adu(1, listen))[0] == b""
         got = running.call("status", 1)
         counters = got["counters"]
-        assert got["log"] == [0x04, 0x80, 0x82, 0x41, 0x80, 0x40, 0x80], got
+        assert got["log"] == [0x04, 0x40, 0x80, 0x82, 0x41, 0x80, 0x40, 0x80], got
         assert (counters["bus_message"], counters["comm_error"], counters["exception"]) == (3, 1, 1), got
         assert (counters["event"], counters["slave_message"], got["listen_only"]) == (2, 3, 1), got
         assert got["errors"]["crc"] == 1
