@@ -7,10 +7,12 @@ import os
 import select
 import signal
 import statistics
+import subprocess
 import termios
 import threading
 import time
 from contextlib import ExitStack
+from pathlib import Path
 
 import pytest
 from harness.volume import volume
@@ -18,7 +20,7 @@ from protocol import frames
 from protocol.defs import FC
 
 from live.controlled import Controlled
-from live.serve import Port, Serve, request
+from live.serve import ROOT, Port, Serve, request
 from live.timing import Watch, until
 
 READ = request(frames.read(FC.READ_HOLDINGS, 0, 2))
@@ -221,6 +223,23 @@ def test_slow_line_does_not_keep_a_master_waiting(folder):
             assert len(found) < 45 and len(found + port.read(3, 45 - len(found))) == 45
             time.sleep(0.1)
     assert min(waited) < 0.45, waited
+
+
+def test_bytes_have_the_time_at_which_they_came(tmp_path, record_property):
+    """Also where the simulation asks for them much later; and what waits for it does not grow."""
+    program = tmp_path / "check"
+    source = Path(__file__).with_name("clients_check.cpp")
+    command = ["g++", "-std=c++17", "-O1", f"-I{ROOT / 'sim'}", str(source), "-o", str(program), "-pthread"]
+    subprocess.run(command, check=True)
+    done = subprocess.run([program], check=True, capture_output=True, text=True, timeout=60)
+    found = [line.split() for line in done.stdout.splitlines()]
+    apart = [float(ms) for what, ms, news, size in found if (what, news, size) == ("bursts", "2", "16")]
+    assert len(apart) >= 10, done.stdout
+    median = statistics.median(apart)
+    record_property("figures", [f"live: {len(apart)} of 20 pairs of bursts stay apart, by {median:.2f} ms"])
+    assert 8 < median < 20, done.stdout
+    kept = {what: int(size) for what, _, _, size in found[20:]}
+    assert kept == {"flood": 1026, "full": 3}, "a flood is cut at the limit; room is that of the last call"
 
 
 # ---------------------------------------------------------------------- load

@@ -69,9 +69,9 @@ def test_panel_script_and_log_do_not_delay_answers(tmp_path, baud, record_proper
             priority = os.sched_getscheduler(made.process.pid) == os.SCHED_RR
             with_all = latencies(made.link, baud, count)
     said = (
-        f"live at {baud} baud, {count} answers beyond line time: median {with_all[0]:.2f} ms, 99 % {with_all[1]:.2f} with "
-        f"panel, script and log; {without[0]:.2f} and {without[1]:.2f} without "
-        f"({'with' if priority else 'without'} real-time priority, {watch})"
+        f"live at {baud} baud: {with_all[0]:.2f} ms beyond line time, 99 % of {count} within {with_all[1]:.2f}, with "
+        f"panel, script and log; {without[0]:.2f} and {without[1]:.2f} without them "
+        f"({'with' if priority else 'no'} real-time priority, {watch})"
     )
     record_property("figures", [said])
     assert with_all[0] < watch.bound(MEDIAN_MS, BUSY_MS), said
