@@ -154,7 +154,7 @@ def test_gap_that_t15_allows_is_answered_at_115200(folder, gap_ms, record_proper
     Gaps that the test itself made longer do not count. A gap can also become longer between the two processes, in the
     kernel: the best twelve in a row count.
     """
-    found, slack = [], (0.75 - gap_ms) / 2000
+    found, slack = [], (0.75 - gap_ms) / 1500
     with Serve(folder / f"gap{gap_ms}", BAUD=115200) as running, Port(running.link) as port, Watch() as watch:
         assert port.ask(READ, ANSWER) == ANSWER
         for _ in range(150):
