@@ -5,6 +5,7 @@
 import cocotb
 from cocotb.triggers import ReadOnly, Timer
 from harness.bench import Bench
+from harness.volume import volume
 from protocol import frames
 from protocol.defs import FC, Space
 
@@ -57,7 +58,7 @@ async def every_output_is_written_at_its_place(dut):
             assert await tb.both(frames.adu(OWN, pdu)) is not None
             await tb.compare((space, base + i) for i in range(count))
     coils, registers = span(tb, Space.COILS), span(tb, Space.HOLDINGS)
-    for _ in range(6):
+    for _ in range(volume("blocks written to flat vectors")):
         bits = [tb.rng.getrandbits(1) for _ in range(coils[1])]
         words = [tb.rng.getrandbits(16) for _ in range(registers[1])]
         for pdu in (
