@@ -88,7 +88,8 @@ class Device {
   // What a client has sent, or a change of clients.
   void take(const News &news) {
     if (news.left) client_gone(news.client);
-    if (news.left || news.opened) clients_changed(news.clients, news.opened);
+    if (news.opened) clients_changed("open", std::max(1, news.clients));  // and gone already, perhaps
+    if (news.left && !(news.opened && news.clients)) clients_changed("closed", news.clients);
     const double clock_s = 1 / clock_hz_;
     for (const Character &character : news.characters) {
       last_byte_s_ = news.at;
@@ -205,10 +206,9 @@ class Device {
     if (queue_.empty()) collecting_ = false;
   }
 
-  void clients_changed(int clients, bool opened) {
+  void clients_changed(const char *state, int clients) {
     open_ = clients;
-    control_.event(Json().add("event", "client").add("state", opened ? "open" : "closed").add("clients", clients)
-                       .add("time", unix_s()));
+    control_.event(Json().add("event", "client").add("state", state).add("clients", clients).add("time", unix_s()));
   }
 
   uint64_t silence() const { return cycle_ - last_activity_; }
