@@ -68,6 +68,9 @@ synth: $(call stamp,fpga) $(if $(FULL)$(UPDATE),$(call stamp,ecp5)) $(if $(UPDAT
 	@$(PY) tools/synth.py $${QUICK:+--quick} $${FULL:+--full} $${OPTIONS:+--options} $${CHECK:+--check} \
 	  $${UPDATE:+--update} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"} $${DEVICE:+--device="$$DEVICE"}
 
+auto_line: $(call stamp,test)  ## measure the automatic rate anew: table and plot of docs/auto_line.md; FULL=1 takes 10,000 starts
+	@$(PY) tb/auto_line/update.py
+
 peers: $(call stamp,fpga) $(call stamp,ecp5) $(call stamp,peers)  ## other open cores and our profiles, measured in one run; QUICK=1 one seed
 	@$(PY) tools/synth.py --peers $${QUICK:+--quick} $${PROFILE:+--profile="$$PROFILE"} $${BANK:+--bank="$$BANK"}
 

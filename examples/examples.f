@@ -4,3 +4,5 @@ examples/modbus_pdm_meter.v
 examples/modbus_example_ram.v
 examples/modbus_example_soc_wb.v
 examples/modbus_example_soc_axil.v
+examples/modbus_example_auto.v
+examples/modbus_example_units.v

@@ -83,7 +83,7 @@ module modbus_example_soc_axil #(
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
     .host_state_i(`MB_HOST_AT_REST), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
     .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(), .status_ack_o(),
-    .write_stb_o(), .events_o(), .alive_o(), .rx_active_o(), .listen_only_o(), .idle_o(),
+    .write_stb_o(), .events_o(), .alive_o(), .rx_active_o(), .listen_only_o(), .unit_o(), .idle_o(),
 `include "modbus_bank_core_inst.vh"
   );
 

@@ -135,6 +135,7 @@ module modbus_pdm_meter #(
   assign host_state[`MB_HOST_FAILURE]          = 4'd0;
   assign host_state[`MB_HOST_EXCEPTION_STATUS] = 8'd0;
   assign host_state[`MB_HOST_DIAGNOSTIC]       = 15'd0;
+  assign host_state[`MB_HOST_UNIT_OURS]        = 1'b0;
 
   always @* begin
     settings = `MB_LINE_SETTINGS(address_i, bit_time_i, format_i);
@@ -167,7 +168,7 @@ module modbus_pdm_meter #(
     .status_ack_o(),
 `include "modbus_bank_core_inst.vh"
     , .write_stb_o(write_stb_o),
-    .events_o(events), .alive_o(alive_o), .rx_active_o(rx_active_o), .listen_only_o(), .idle_o()
+    .events_o(events), .alive_o(alive_o), .rx_active_o(rx_active_o), .listen_only_o(), .unit_o(), .idle_o()
   );
   // verilator lint_on PINCONNECTEMPTY
 

@@ -10,7 +10,10 @@ rtl/line/modbus_crc16.v
 rtl/line/modbus_frame_rx.v
 rtl/line/modbus_frame_tx.v
 rtl/line/modbus_alive.v
+rtl/line/modbus_units.v
 rtl/line/modbus_line.v
+rtl/line/modbus_run_ram.v
+rtl/line/modbus_auto_line.v
 rtl/engine/modbus_frame_ram.v
 rtl/engine/modbus_program.v
 rtl/engine/modbus_sequencer.v

@@ -27,6 +27,7 @@ module modbus_rtu_core #(
   output wire        rx_active_o,                // level : a frame is being received
   output wire        alive_o,                    // level : a master talks to us
   output wire        idle_o,                     // level : nothing is received, worked on or sent
+  output wire [7:0]  unit_o,                     // level : address of the request, 0 broadcast, with UNIT_SET or UNIT_PORT
 
 `include "modbus_engine_ports.vh"
 );
@@ -40,11 +41,12 @@ module modbus_rtu_core #(
 
   modbus_line #(
     .CLK_HZ(CLK_HZ), .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .MAX_BIT_TIME(MAX_BIT_TIME),
-    .BIT_FRACTIONS(BIT_FRACTIONS), .GLITCH_FILTER(GLITCH_FILTER), .ASCII_MODE(ASCII_MODE),
-    .ASCII_TIMEOUT_MS(ASCII_TIMEOUT_MS)
+    .BIT_FRACTIONS(BIT_FRACTIONS), .GLITCH_FILTER(GLITCH_FILTER), .UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT),
+    .ASCII_MODE(ASCII_MODE), .ASCII_TIMEOUT_MS(ASCII_TIMEOUT_MS)
   ) u_line (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings_i),
-    .frame_o(frame), .ram_do_o(ram_do), .rx_byte_o(rx_byte), .rx_active_o(rx_active_o), .frame_byte_i(frame_byte),
+    .frame_o(frame), .ram_do_o(ram_do), .rx_byte_o(rx_byte), .unit_o(unit_o),
+    .unit_ours_i(host_state_i[`MB_HOST_UNIT_OURS]), .rx_active_o(rx_active_o), .frame_byte_i(frame_byte),
     .count_i(count), .verdict_i(verdict), .sending_o(sending), .bank_waits_i(bank_waits), .stall_o(stall),
     .events_o(events_o), .idle_o(idle_o)
   );

@@ -69,7 +69,7 @@ module modbus_rtu_slave #(
     .host_state_i(host_state), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
     .user_reply_i(`MB_NO_USER), .status_stb_i(status_stb), .status_adr_i(status_adr), .status_dat_o(status_read),
     .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(), .alive_o(alive_o), .rx_active_o(),
-    .listen_only_o(), .idle_o(idle),
+    .listen_only_o(), .unit_o(), .idle_o(idle),
 `include "modbus_bank_core_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY

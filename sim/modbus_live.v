@@ -58,6 +58,7 @@ module modbus_live #(
   assign host_state[`MB_HOST_FAILURE]          = failure_q;
   assign host_state[`MB_HOST_EXCEPTION_STATUS] = exception_status_q;
   assign host_state[`MB_HOST_DIAGNOSTIC]       = diagnostic_q[15:1];
+  assign host_state[`MB_HOST_UNIT_OURS]        = 1'b0;
 
 `include "modbus_bank_wires.vh"
 
@@ -89,7 +90,7 @@ module modbus_live #(
     .host_state_i(host_state), .user_req_o(user_req), .user_count_o(user_count), .user_adr_i(user_adr),
     .user_dat_o(user_request), .user_reply_i(user_reply), .status_stb_i(status_stb), .status_adr_i(status_adr),
     .status_dat_o(status_read), .status_ack_o(status_ack), .write_stb_o(write_stb_o), .events_o(events_o), .alive_o(),
-    .rx_active_o(rx_active_o), .listen_only_o(listen_only_o), .idle_o(idle_o),
+    .rx_active_o(rx_active_o), .listen_only_o(listen_only_o), .unit_o(), .idle_o(idle_o),
 `include "modbus_bank_core_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY

@@ -52,6 +52,7 @@ LEGAL = [
     (SLAVE, {"BITS_PER_BEAT": 16, "COIL_BASE": 7, "COIL_COUNT": 65529}),
     (IO, {"BITS_PER_BEAT": 16, "COIL_BASE": 65535, "COIL_COUNT": 1, "DISCRETE_COUNT": 0}),
     (IO, {"COIL_COUNT": 1, "DISCRETE_COUNT": 0, "INPUT_COUNT": 0, "HOLDING_COUNT": 0}),
+    *((IO, {"READ_BACK_RAM": 1, "HOLDING_COUNT": count}) for count in (0, 1, 300)),
     (CORE, {"FUNCTION_CODES": function_mask([FC.READ_HOLDINGS])}),
     *((CORE, {"FUNCTION_CODES": function_mask([code])}) for code in sorted(ALL_FUNCTIONS)),
     (CORE, {"FUNCTION_CODES": 0, "USER_CODES": function_mask(range(1, 128))}),
@@ -61,6 +62,7 @@ LEGAL = [
     (SLAVE, {"FILE_COUNT": 65535, "FILE_RECORDS": 1}),
     (SLAVE, {**NO_TABLES, "FILE_COUNT": 1}),
     *((CORE, {"CONFORMITY": conformity}) for conformity in CONFORMITIES),
+    (CORE, {"UNIT_SET": 2, "UNIT_PORT": 1}),
     (CORE, {"DEVICE_ID_LIMIT": 9 + len("PRODUCT")}),
     (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80\0\x81\1a\xff\2bc")}),
     (CORE, {"PRIVATE_OBJECTS": text_value(b"\x80" + bytes([LONGEST_OBJECT]) + b"a" * LONGEST_OBJECT)}),
@@ -88,6 +90,8 @@ ILLEGAL = [
     (CORE, {"MAX_BIT_TIME": 7}),
     (SLAVE, {"HOST_SETTINGS": 1, "HOST_MAP": 1, "MAX_BIT_TIME": 65536}),
     (CORE, {"GLITCH_FILTER": 256}),
+    (CORE, {"UNIT_SET": 1}),
+    (CORE, {"UNIT_PORT": 2}),
     *((top, {"BITS_PER_BEAT": bits}) for top in TOPS for bits in (0, 2, 8, 15, 17)),
     (IO, {"CLK_HZ": 27_000_000, "BAUD": 1_000_000, "GLITCH_FILTER": 7}),  # 27 clocks a bit
     (SLAVE, {"BAUD": 700}),  # 71429 clocks a bit
@@ -154,6 +158,7 @@ ILLEGAL = [
     ("modbus_axil_master", {"OVERLAY": 1}),
     (IO, {"FILE_COUNT": 1}),
     (IO, {"OVERLAY": 1}),
+    *((IO, {"READ_BACK_RAM": value}) for value in (-1, 2)),
     ("modbus_example_ram", {"WORDS": 65537}),
 ]
 

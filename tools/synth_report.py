@@ -4,7 +4,7 @@
 
 The record is a dictionary: `tools` (versions and flows), `peers` (`packages` and their versions, `results` with one
 row per peer and device), `results` (one row per profile, bank and device),
-`parts` ({"profile/bank": {module: counts}}) and `options` ({option: {"lc", "ram"}}, "" is the whole core).
+`parts` ({"profile/bank": {module: counts}}) and `options` ({option: {"lc", "ram"}}, and what it is compared with).
 Everything here works on that dictionary alone; nothing runs a tool.
 """
 
@@ -14,7 +14,7 @@ import json
 
 from synth_devices import DEVICES, FAMILIES
 from synth_peers import DEVICES_OF_PEERS, PEERS
-from synth_profiles import ADDED_OPTIONS, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN
+from synth_profiles import ADDED_OPTIONS, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, base_of
 
 from common import ROOT, source_of
 
@@ -129,10 +129,9 @@ def paths_table(results: list[dict], tools: dict) -> str:
 
 def options_table(options: dict[str, dict], tools: dict) -> str:
     """What each option costs, as a markdown table."""
-    whole = options[""]
     lines = ["| Option | Logic cells with / without it | Costs | RAM blocks |", "|---|---:|---:|---:|"]
     for option in [*OPTIONS, *ADDED_OPTIONS]:
-        row = options[option]
+        row, whole = options[option], options[base_of(option)]
         more, less = (row, whole) if option in ADDED_OPTIONS else (whole, row)
         cells, blocks = more["lc"] - less["lc"], more["ram"] - less["ram"]
         lines.append(f"| {option} | {more['lc']} / {less['lc']} | {cells} | {blocks} |")

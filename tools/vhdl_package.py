@@ -17,7 +17,8 @@ from interface import DERIVED, fields, header, macros, number, parameter_types
 from common import ROOT
 
 PACKAGE = ROOT / "rtl/vhdl/modbus_pkg.vhd"
-COMPONENTS = ("modbus_rtu_slave_io", "modbus_rtu_slave", "modbus_rtu_core", "modbus_bank_ram", "modbus_bank_io")
+COMPONENTS = ("modbus_rtu_slave_io", "modbus_rtu_slave", "modbus_rtu_core", "modbus_bank_ram", "modbus_bank_io",
+              "modbus_auto_line")
 # Inputs that must be connected; every other one has its value at rest, 0 unless it stands in AT_REST.
 CONNECTED = re.compile(r"clk_i|rxd_i|settings_i|grant_\w+|wb_(?!err)\w+|exception_i")
 AT_REST = {"host_state_i": "MB_HOST_AT_REST", "user_reply_i": "MB_NO_USER"}
@@ -161,8 +162,7 @@ def generic(top: str, name: str, default: str) -> tuple[str, str, str]:
     if span == "integer":
         return name, "natural", str(value)
     width = number(span.partition(":")[0]) + 1
-    if width > 128:
-        assert value == 0, f"{name} is too wide for a default"
+    if width > 128 and value == 0:
         return name, vector(width), "(others => '0')"
     set_of = default == macros()["MB_ALL_FUNCTIONS"] and "MB_ALL_FUNCTIONS"
     return name, "mb_codes" if name.endswith("_CODES") else vector(width), set_of or bits(value, width)

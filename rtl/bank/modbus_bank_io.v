@@ -7,6 +7,8 @@
 // of the table.  A burst that writes changes one item every clock or two, not all at once.  A burst that reads samples
 // each input when its item is read: a source holds a value that is wider than a register until it has been read.
 // Inputs must be synchronous to clk_i.  Coils and holding registers are 0 after configuration and after rst_i.
+// With READ_BACK_RAM = 1 each write of a holding register goes to a block RAM too, and reads take the word from there:
+// the multiplexer over all registers goes.  Nothing else differs.
 // Files and the overlay need a memory: modbus_bank_ram has them.
 
 `default_nettype none
@@ -17,6 +19,8 @@
 
 module modbus_bank_io #(
   parameter integer BITS_PER_BEAT = 1,           // 1 or 16, that of the core
+`include "modbus_read_back.vh"
+  ,
 `include "modbus_tables.vh"
   ,
 `include "modbus_table_widths.vh"
@@ -39,6 +43,9 @@ module modbus_bank_io #(
   generate
     if (FILE_COUNT != 0 || OVERLAY != 0) begin : gen_illegal
       ERROR_modbus_bank_io_has_no_files_and_no_overlay illegal_parameter ();
+    end
+    if (READ_BACK_RAM < 0 || READ_BACK_RAM > 1) begin : gen_read_back_illegal
+      ERROR_modbus_bank_io_READ_BACK_RAM_must_be_0_or_1 illegal_parameter ();
     end
   endgenerate
 
@@ -83,9 +90,30 @@ module modbus_bank_io #(
     end else begin : gen_input
       assign word_in = inputs_i[15:0];
     end
-    if (HOLDING_COUNT > 1) begin : gen_holdings
+    if (READ_BACK_RAM != 0 && HOLDING_COUNT > 0) begin : gen_read_back_ram
+      // A RAM keeps its words through rst_i: until a register has been written its word comes from word_out, which is 0.
+      (* no_rw_check *) reg [15:0] memory [0:HOLDING_COUNT-1];
+      reg [15:0]              memory_q;
+      reg                     from_memory_q;
+      reg [HOLDING_COUNT-1:0] written_q = 0;
+      integer                 w;
+
+      always @(posedge clk_i) begin
+        if (write_holding) memory[holding] <= wb_dat_i;
+        memory_q      <= memory[holding];
+        from_memory_q <= (space == `MB_SPACE_HOLDINGS) & written_q[holding];
+        for (w = 0; w < HOLDING_COUNT; w = w + 1)
+          if (rst_i)                                       written_q[w] <= 1'b0;
+          else if (write_holding && holding == w[HW-1:0])  written_q[w] <= 1'b1;
+      end
+
+      assign word_out = 16'd0;
+      assign wb_dat_o = from_memory_q ? memory_q : read_q;
+    end else if (HOLDING_COUNT > 1) begin : gen_holdings
+      assign wb_dat_o = read_q;
       assign word_out = holdings_q[{holding, 4'd0} +: 16];
     end else begin : gen_holding
+      assign wb_dat_o = read_q;
       assign word_out = holdings_q[15:0];
     end
   endgenerate
@@ -143,11 +171,31 @@ module modbus_bank_io #(
       if (rst_i)                                       holdings_q[16*h +: 16] <= 16'd0;
       else if (write_holding && holding == h[HW-1:0])  holdings_q[16*h +: 16] <= wb_dat_i;
 
-  assign wb_dat_o   = read_q;
   assign wb_ack_o   = ack;
   assign wb_err_o   = 1'b0;
   assign coils_o    = coils_q;
   assign holdings_o = holdings_q;
+
+`ifdef FORMAL
+  reg f_past = 1'b0;
+  always @(posedge clk_i) f_past <= 1'b1;
+  always @* if (!f_past) assume (rst_i);
+
+  // The core keeps its bus: within a cycle the address is there a clock before a strobe that does not follow an
+  // acknowledge, and what was granted exists.
+  wire [15:0] f_place = wb_adr_i[15:0] - HOLDING_BASE;
+  always @* if (wb_cyc_i && wb_stb_i && space == `MB_SPACE_HOLDINGS) assume (f_place < HOLDING_COUNT);
+  always @(posedge clk_i) if (f_past && $past(wb_cyc_i && !wb_ack_o) && wb_cyc_i && wb_stb_i) assume ($stable(wb_adr_i));
+
+  // A holding register reads as its output shows it.
+  wire [15:0] f_shown = holdings_o >> {f_place, 4'd0};
+  wire f_reads = f_past & wb_ack_o & ~wb_we_i & (space == `MB_SPACE_HOLDINGS);
+  always @* if (f_reads) assert (wb_dat_o == f_shown);
+  always @(posedge clk_i) begin
+    cover (f_reads && wb_dat_o == 16'hA55A);
+    cover (f_reads && wb_dat_o == 16'd0 && $past(holdings_o[15:0], 8) == 16'hA55A && $past(rst_i, 4));
+  end
+`endif
 
 endmodule
 

@@ -127,6 +127,8 @@ module modbus_engine #(
   end
   assign status_byte = chosen;
 
+  wire unused_unit = host_state_i[`MB_HOST_UNIT_OURS];             // the line has it
+
   // ------------------------------------------------------------------ the frame RAM and its users
 
   wire store  = ram_do_i[`MB_RAM_STORE];

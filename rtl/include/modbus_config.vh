@@ -14,6 +14,8 @@
   parameter integer MAX_BIT_TIME        = 65535,         // clocks per bit at the slowest rate; what is lower takes fewer cells
   parameter integer BIT_FRACTIONS       = 0,             // 1: a bit may last a sixteenth of a clock more or less
   parameter integer GLITCH_FILTER       = 0,             // clocks: a shorter pulse on rxd_i is not seen, 0..255
+  parameter [247:0] UNIT_SET            = 248'd0,        // bit n: address n is answered too, n in 1..247
+  parameter integer UNIT_PORT           = 0,             // 1: so is one for which the host sets MB_HOST_UNIT_OURS
   parameter integer ASCII_MODE          = 0,             // 1: ASCII mode is built in, chosen by MB_SET_ASCII
   parameter integer ASCII_TIMEOUT_MS    = 1000,          // longest silence inside a frame of ASCII mode, in milliseconds
   parameter [127:0] FUNCTION_CODES      = `MB_ALL_FUNCTIONS,  // bit n: function code n is built in

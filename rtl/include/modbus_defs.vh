@@ -133,8 +133,9 @@
 `define MB_HOST_FAILURE          5:2    // 0, or the exception code to give instead of execution
 `define MB_HOST_EXCEPTION_STATUS 13:6
 `define MB_HOST_DIAGNOSTIC       28:14  // bits 15..1 of the diagnostic register to set
-`define MB_HOST_STATE_WIDTH      29
-`define MB_HOST_AT_REST          29'h2  // not busy, no failure, run indicator on
+`define MB_HOST_UNIT_OURS        29     // 1: unit_o is a unit of ours, with UNIT_PORT = 1; may depend on unit_o
+`define MB_HOST_STATE_WIDTH      30
+`define MB_HOST_AT_REST          30'h2  // not busy, no failure, run indicator on
 
 // What happened on the line: strobes of events_o
 `define MB_EVENT_FRAME   0   // a good frame, for any slave

@@ -32,6 +32,7 @@ module modbus_frame_rx (
   input  wire       drop_late_i,     // level : no answer once the line was heard
   input  wire [7:0] address_i,
   input  wire       broadcast_en_i,
+  input  wire       also_i,          // level : byte_i is a further address of ours
 
   // Characters
   input  wire       start_stb_i,
@@ -101,7 +102,7 @@ module modbus_frame_rx (
   // 1..247 can be ours, 0 is for all, 248..255 is reserved (V1.02, clause 2.2).
   wire none      = (byte_i == 8'h00);
   wire for_all   = none & broadcast_en_i;
-  wire for_us    = for_all | ((byte_i == address_i) & ~none & (address_i[7:3] != 5'h1F));
+  wire for_us    = for_all | also_i | ((byte_i == address_i) & ~none & (address_i[7:3] != 5'h1F));
 
   // The next frame may begin while the address of a foreign one is still being looked at.
   wire foreign = decide_q & ~for_us_q;
@@ -204,6 +205,7 @@ module modbus_frame_rx (
     if (whole_i) assume (half_i);
     if (f_age != 3'd7) assume (!t35_i && !char_stb_i);          // a character lasts from its start bit on,
     assume (!(char_stb_i && t35_i));                            // a character is no silence,
+    if (byte_i == 8'd0 || byte_i > 8'd247) assume (!also_i);   // what modbus_units does
     if ($past(char_stb_i)) assume (!char_stb_i);               // and long
     if ($past(char_stb_i && whole_i)) assume (!t35_i);
     if (ascii_i && start_stb_i) assume (!char_stb_i && !t35_i);
@@ -230,7 +232,8 @@ module modbus_frame_rx (
     if (check_q) assert ($past(look_q));
     if (good_stb_o || foreign_stb_o) assert ($past(check_q));
     if (decide_q) assert (good_stb_o != foreign_stb_o);
-    if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : byte_i == address_i && byte_i <= 8'd247));
+    if (foreign_stb_o) assert ($past(!also_i));
+    if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : (also_i || byte_i == address_i) && byte_i <= 8'd247));
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
     if (sending_i && !$past(rst_i)) assert (state_q == ST_WORK);    // stays in its work while an answer is on its way
     if (send_stb_o) assert (state_q == ST_WORK && !judging);

@@ -26,6 +26,8 @@ module modbus_line #(
   parameter integer T35_MIN_US = 1750,       // floor of t3.5 in microseconds, 0: none
   parameter integer MAX_BIT_TIME  = 65535,   // no MB_SET_BIT_TIME is above it
   parameter integer BIT_FRACTIONS = 0,       // 1: MB_SET_BIT_FRACTION counts
+  parameter [247:0] UNIT_SET      = 248'd0,  // bit n: address n is ours too
+  parameter integer UNIT_PORT     = 0,       // 1: so is one for which unit_ours_i is high
   parameter integer GLITCH_FILTER = 0,       // clocks: a pulse on rxd_i that is not longer is not seen, 0..255
   parameter integer ASCII_MODE    = 0,       // 1: MB_SET_ASCII counts
   parameter integer ASCII_TIMEOUT_MS = 1000  // longest silence inside a frame of ASCII mode, in milliseconds
@@ -45,6 +47,9 @@ module modbus_line #(
   output wire [`MB_RAM_WIDTH-1:0]     ram_do_o,      // strobes MB_RAM_*
   output wire [7:0]  rx_byte_o,              // level : the received byte, with MB_RAM_STORE
   output wire        rx_active_o,            // level : a frame is being received
+
+  output wire [7:0]  unit_o,                 // level : address of the request, 0 broadcast, with UNIT_SET or UNIT_PORT
+  input  wire        unit_ours_i,            // level : unit_o is one of ours, with UNIT_PORT
 
   // Answers from the engine
   input  wire [7:0]  frame_byte_i,           // level : the byte under the cursor of the frame RAM
@@ -187,12 +192,19 @@ module modbus_line #(
 
   // ------------------------------------------------------------------ frames
 
+  wire also;
+
+  modbus_units #(.UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT)) u_units (
+    .clk_i(clk_i), .look_i(ram_do_o[`MB_RAM_LOOK]), .byte_i(frame_byte_i), .ours_i(unit_ours_i), .unit_o(unit_o),
+    .also_o(also)
+  );
+
   wire frames_idle, good_stb, foreign_stb, err_long, drop, sent_stb, dropped_stb;
 
   modbus_frame_rx u_frame_rx (
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(settings_i[`MB_SET_GAP_COUNT_ONLY]),
     .strict_i(settings_i[`MB_SET_STRICT]), .ascii_i(ascii), .drop_late_i(settings_i[`MB_SET_DROP_LATE]),
-    .address_i(settings_i[`MB_SET_ADDRESS]), .broadcast_en_i(settings_i[`MB_SET_BROADCAST]),
+    .address_i(settings_i[`MB_SET_ADDRESS]), .broadcast_en_i(settings_i[`MB_SET_BROADCAST]), .also_i(also),
     .start_stb_i(frame_start), .char_stb_i(char_stb), .parity_error_i(parity_error),
     .framing_error_i(framing_error), .half_i(half), .whole_i(whole), .crc_zero_i(check_ok), .t15_i(frame_t15),
     .t35_i(frame_t35),

@@ -94,15 +94,16 @@ package modbus_pkg is
   ) return mb_settings_vector;
 
   -- host_state_i
-  constant MB_HOST_STATE_WIDTH : natural := 29;
+  constant MB_HOST_STATE_WIDTH : natural := 30;
   subtype mb_host_state_vector is std_logic_vector(MB_HOST_STATE_WIDTH - 1 downto 0);
-  constant MB_HOST_AT_REST : mb_host_state_vector := "00000000000000000000000000010";
+  constant MB_HOST_AT_REST : mb_host_state_vector := "000000000000000000000000000010";
   function mb_host_state (
     busy             : std_logic                     := '0';
     run              : std_logic                     := '1';
     failure          : std_logic_vector(3 downto 0)  := x"0";
     exception_status : std_logic_vector(7 downto 0)  := x"00";
-    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000"
+    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000";
+    unit_ours        : std_logic                     := '0'
   ) return mb_host_state_vector;
 
   -- events_o
@@ -167,12 +168,15 @@ package modbus_pkg is
       FILE_COUNT            : natural                         := 0;
       FILE_RECORDS          : natural                         := 256;
       OVERLAY               : natural                         := 0;
+      READ_BACK_RAM         : natural                         := 0;
       CLK_HZ                : natural                         := 50000000;
       T15_MIN_US            : natural                         := 750;
       T35_MIN_US            : natural                         := 1750;
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_PORT             : natural                         := 0;
       ASCII_MODE            : natural                         := 0;
       ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
@@ -254,6 +258,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_PORT             : natural                         := 0;
       ASCII_MODE            : natural                         := 0;
       ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
@@ -313,6 +319,8 @@ package modbus_pkg is
       MAX_BIT_TIME          : natural                         := 65535;
       BIT_FRACTIONS         : natural                         := 0;
       GLITCH_FILTER         : natural                         := 0;
+      UNIT_SET              : std_logic_vector(247 downto 0)  := (others => '0');
+      UNIT_PORT             : natural                         := 0;
       ASCII_MODE            : natural                         := 0;
       ASCII_TIMEOUT_MS      : natural                         := 1000;
       FUNCTION_CODES        : mb_codes                        := x"00000000000000000000080001F399FE";
@@ -352,6 +360,7 @@ package modbus_pkg is
       rx_active_o   : out std_logic;
       alive_o       : out std_logic;
       idle_o        : out std_logic;
+      unit_o        : out std_logic_vector(7 downto 0);
       host_state_i  : in  mb_host_state_vector := MB_HOST_AT_REST;
       grant_req_o   : out std_logic;
       grant_space_o : out std_logic_vector(2 downto 0);
@@ -435,6 +444,7 @@ package modbus_pkg is
   component modbus_bank_io is
     generic (
       BITS_PER_BEAT   : natural := 1;
+      READ_BACK_RAM   : natural := 0;
       COIL_BASE       : natural := 0;
       COIL_COUNT      : natural := 16;
       DISCRETE_BASE   : natural := 0;
@@ -478,6 +488,32 @@ package modbus_pkg is
     );
   end component modbus_bank_io;
 
+  component modbus_auto_line is
+    generic (
+      CLK_HZ        : natural                        := 50000000;
+      MIN_BAUD      : natural                        := 1200;
+      RATES         : std_logic_vector(287 downto 0) := x"000384000001C2000000E1000000960000004B0000002580000012C000000960000004B0";
+      RUN_BITS      : natural                        := 8;
+      BAD_FRAMES    : natural                        := 1;
+      GLITCH_FILTER : natural                        := 0
+    );
+    port (
+      clk_i       : in  std_logic;
+      rst_i       : in  std_logic := '0';
+      rxd_i       : in  std_logic;
+      rxd_o       : out std_logic;
+      de_i        : in  std_logic := '0';
+      idle_i      : in  std_logic := '0';
+      frame_stb_i : in  std_logic := '0';
+      bit_time_o  : out std_logic_vector(15 downto 0);
+      format_o    : out std_logic_vector(1 downto 0);
+      snap_i      : in  std_logic := '0';
+      address_i   : in  std_logic_vector(7 downto 0) := (others => '0');
+      mask_i      : in  std_logic_vector(7 downto 0) := (others => '0');
+      locked_o    : out std_logic
+    );
+  end component modbus_auto_line;
+
 end package modbus_pkg;
 
 library ieee;
@@ -512,10 +548,11 @@ package body modbus_pkg is
     run              : std_logic                     := '1';
     failure          : std_logic_vector(3 downto 0)  := x"0";
     exception_status : std_logic_vector(7 downto 0)  := x"00";
-    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000"
+    diagnostic       : std_logic_vector(14 downto 0) := "000000000000000";
+    unit_ours        : std_logic                     := '0'
   ) return mb_host_state_vector is
   begin
-    return diagnostic & exception_status & failure & run & busy;
+    return unit_ours & diagnostic & exception_status & failure & run & busy;
   end function;
 
   function mb_user_reply (

@@ -158,6 +158,37 @@ async def outputs_follow_the_writes(dut):
             assert seen == image[space], f"{space.name} {base + place} = {value:X}"
 
 
+@cocotb.test(skip=RAM)
+async def registers_read_as_their_outputs(dut):
+    """Every holding register, behind power-up, writes, and a reset that falls between them or into a burst."""
+    bank = await Bank.start(dut)
+    base, count = bank.config.tables[Space.HOLDINGS]
+    assert await bank.ask(Space.HOLDINGS, base, base + count - 1, 0) == 0
+
+    async def compare(image, when):
+        seen = int(dut.holdings_o.value)
+        assert seen == sum(word << 16 * n for n, word in enumerate(image)), f"{when}: the outputs are {seen:X}"
+        for n in bank.rng.sample(range(count), count):  # one a burst, in any order
+            assert await bank.burst(Space.HOLDINGS, base + n, count=1) == [image[n]], f"{when}: register {base + n}"
+        assert await bank.burst(Space.HOLDINGS, base, count=count) == image, f"{when}: all in a burst"
+
+    await compare([0] * count, "behind power-up")
+    for number in range(8):
+        image = [0] * count
+        for n in bank.rng.sample(range(count), bank.rng.randint(1, count)):
+            image[n] = bank.rng.getrandbits(16)
+            await bank.burst(Space.HOLDINGS, base + n, [image[n]])
+        await compare(image, f"behind the writes of round {number}")
+        dut.wb_cyc_i.value = dut.wb_stb_i.value = number % 2  # the reset falls into a write, or it does not
+        dut.wb_we_i.value, dut.wb_adr_i.value, dut.wb_dat_i.value = 1, bus_address(Space.HOLDINGS, base), 0xDEAD
+        await clocks(dut, number // 2)
+        dut.rst_i.value = 1
+        await clocks(dut)
+        dut.wb_cyc_i.value = dut.wb_stb_i.value = dut.rst_i.value = 0
+        await clocks(dut)
+        await compare([0] * count, f"behind the reset of round {number}")
+
+
 @cocotb.test(skip=not RAM)
 async def host_and_core_take_turns(dut):
     """A host that always wants the bus and a core that bursts: both get their data, bursts unbroken."""

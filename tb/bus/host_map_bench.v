@@ -88,7 +88,7 @@ module host_map_bench #(
     .user_reply_i(`MB_NO_USER), .status_stb_i(status_stb), .status_adr_i(status_adr), .status_dat_o(status_dat),
     .status_ack_o(status_ack), .write_stb_o(write_stb_o),
     .events_o({err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o}),
-    .alive_o(), .rx_active_o(), .listen_only_o(listen_only_o), .idle_o(idle_o),
+    .alive_o(), .rx_active_o(), .listen_only_o(listen_only_o), .unit_o(), .idle_o(idle_o),
 `include "modbus_bank_core_inst.vh"
   );
 

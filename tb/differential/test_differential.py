@@ -57,7 +57,15 @@ MAPS = {
         "ASCII_TIMEOUT_MS": 2,
     },
     "whole": {**NO_FLOORS, **table_parameters(dict.fromkeys(list(Space)[:4], (0, 65536)))},
-    "overlaid": {**NO_FLOORS, "OVERLAY": 1, "HOLDING_COUNT": 140, "READ_ONLY_BASE": 100, "READ_ONLY_COUNT": 3},
+    "overlaid": {
+        **NO_FLOORS,
+        "OVERLAY": 1,
+        "HOLDING_COUNT": 140,
+        "READ_ONLY_BASE": 100,
+        "READ_ONLY_COUNT": 3,
+        **config_parameters({"units": (2, 18, 240)}),
+        "UNIT_PORT": 1,
+    },
 }
 SHARE = {"mapped": 0.5, "whole": 0.15, "overlaid": 0.15, "ascii": 0.2}
 # Sixteen bits a beat

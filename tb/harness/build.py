@@ -60,7 +60,9 @@ OBJECT_PARAMETERS = {
     5: "MODEL_NAME",
     6: "USER_APPLICATION_NAME",
 }
+HOST_UNITS = range(0xC0, 0xD0)  # core_bench.v: the units that the host takes with UNIT_PORT = 1
 WIDTHS = {  # bits of the parameters that are no plain integers
+    "UNIT_SET": 248,
     "FUNCTION_CODES": 128,
     "USER_CODES": 128,
     "SERVER_ID": 8 * 16,
@@ -154,6 +156,7 @@ def config_parameters(items):
         ("user_codes", lambda codes: {"USER_CODES": function_mask(codes)}),
         ("read_only", lambda span: {"READ_ONLY_BASE": span[0], "READ_ONLY_COUNT": span[1]}),
         ("overlay", lambda on: {"OVERLAY": int(on)}),
+        ("units", lambda units: {"UNIT_SET": sum(1 << unit for unit in units)}),
     ):
         if field in items:
             out |= convert(items.pop(field))
@@ -192,6 +195,12 @@ def identity_fields(parameters):
     }
 
 
+def units_of(parameters):
+    """The further addresses: of UNIT_SET, and those that the benches' host takes with UNIT_PORT = 1."""
+    units = {unit for unit in range(1, 248) if _number(parameters.get("UNIT_SET", 0)) >> unit & 1}
+    return frozenset(units | (set(HOST_UNITS) if parameters.get("UNIT_PORT") else set()))
+
+
 def model_config(top, parameters, **changes):
     """The model's Config of `top` built with `parameters`."""
     top = DROP_IN_BENCH.get(top, top)
@@ -220,6 +229,7 @@ def model_config(top, parameters, **changes):
         "limits": Limits(**limits),
         "read_only": (parameters.get("READ_ONLY_BASE", 0), parameters.get("READ_ONLY_COUNT", 0)),
         "overlay": overlay,
+        "units": units_of(parameters),
         "files": files,
         "user_codes": functions_of(_number(parameters.get("USER_CODES", 0))),
         **identity_fields(parameters),

@@ -34,7 +34,8 @@ module core_bench #(
   wire [`MB_HOST_STATE_WIDTH-1:0] host_state;
   wire [`MB_USER_REPLY_WIDTH-1:0] user_reply;
   wire [`MB_EVENTS_WIDTH-1:0]     events;
-  wire                            unused = diagnostic_i[0];
+  wire [7:0]                      unit;
+  wire                            unused = &{1'b0, diagnostic_i[0], unit[3:0]};
 
   assign settings[`MB_SET_ADDRESS]        = address_i;
   assign settings[`MB_SET_BIT_TIME]       = bit_time_i;
@@ -57,6 +58,8 @@ module core_bench #(
   assign host_state[`MB_HOST_FAILURE]          = failure_i;
   assign host_state[`MB_HOST_EXCEPTION_STATUS] = exception_status_i;
   assign host_state[`MB_HOST_DIAGNOSTIC]       = diagnostic_i[15:1];
+  // With UNIT_PORT = 1 the host takes the units 192 to 207.
+  assign host_state[`MB_HOST_UNIT_OURS]        = (unit[7:4] == 4'hC);
 
   assign user_reply[`MB_USER_PUT]       = user_put_i;
   assign user_reply[`MB_USER_DONE]      = user_done_i;
@@ -90,7 +93,7 @@ module core_bench #(
     .user_count_o(user_count_o), .user_adr_i(user_adr_i), .user_dat_o(user_dat_o), .user_reply_i(user_reply),
     .status_stb_i(status_stb_i), .status_adr_i(status_adr_i), .status_dat_o(status_dat_o), .status_ack_o(status_ack_o),
     .write_stb_o(write_stb_o), .events_o(events), .alive_o(alive_o), .rx_active_o(rx_active_o),
-    .listen_only_o(listen_only_o), .idle_o(idle_o)
+    .listen_only_o(listen_only_o), .unit_o(unit), .idle_o(idle_o)
   );
 
 endmodule

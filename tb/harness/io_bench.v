@@ -12,6 +12,8 @@
 module io_bench #(
 `include "modbus_tables.vh"
   ,
+`include "modbus_read_back.vh"
+  ,
 `include "modbus_table_widths.vh"
   ,
 `include "modbus_config.vh"
@@ -41,7 +43,7 @@ module io_bench #(
 
 
   modbus_bank_io #(
-    .BITS_PER_BEAT(BITS_PER_BEAT),
+    .BITS_PER_BEAT(BITS_PER_BEAT), .READ_BACK_RAM(READ_BACK_RAM),
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(write_lock_i),

@@ -69,6 +69,8 @@ class Traffic:
     def line(self):
         """(line, kind): what the master sends next, and a word for reports."""
         rng, own = self.rng, self.config.address
+        if self.config.units:
+            own = rng.choice((own, *sorted(self.config.units)))
         if self._listening() and rng.random() < WAKE:
             self._silenced = False
             return frames.adu(own, frames.restart(rng.random() < 0.5)), "restart"
@@ -85,7 +87,8 @@ class Traffic:
         if kind == "broadcast":
             return frames.adu(BROADCAST, pdu), kind
         if kind == "foreign":
-            return frames.adu(rng.choice([a for a in range(1, 256) if a != own]), pdu), kind
+            ours = {self.config.address, *self.config.units}
+            return frames.adu(rng.choice([a for a in range(1, 256) if a not in ours]), pdu), kind
         frame = frames.adu(own, pdu)
         if pdu == frames.diagnostics(Sub.LISTEN_ONLY):
             self._silenced = True

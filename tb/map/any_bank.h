@@ -9,12 +9,15 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 struct BankInput {
   uint8_t rst, grant_req, grant_space, grant_write, wb_cyc, wb_stb, wb_we, host_cyc, host_stb, host_we;
   uint16_t grant_first, grant_last, grant_file, wb_write, host_dat;
   uint32_t wb_adr, host_adr;
+  bool operator==(const BankInput &o) const { return std::memcmp(this, &o, sizeof o) == 0; }
 };
+static_assert(sizeof(BankInput) == 10 + 5 * 2 + 2 * 4, "no padding, which memcmp would compare");
 
 struct BankOutput {
   uint8_t grant_ack, exception, wb_ack, wb_err, host_ack, host_err;

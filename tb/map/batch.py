@@ -81,11 +81,11 @@ endmodule
 CORE = """
 `include "modbus_defs.vh"
 module map_core (
-  input wire clk_i, input wire rst_i, input wire rxd_i, output wire txd_o, output wire de_o,
+  input wire clk_i, input wire rst_i, input wire rxd_i, output wire txd_o, output wire de_o, output wire idle_o,
 {ports}
 );
   modbus_rtu_core #(.T15_MIN_US(0), .T35_MIN_US(0), .CHECK_WRITES(1)) u_core (
-    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o),
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .idle_o(idle_o),
     .settings_i(`MB_LINE_SETTINGS(8'd{address}, 16'd{bit_time}, 2'd3)), .host_state_i(`MB_HOST_AT_REST),
     .user_adr_i(8'd0), .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0),
     {binds}

@@ -17,6 +17,7 @@
 namespace {
 
 constexpr unsigned kBitTime = 8;
+constexpr unsigned kT35 = 39 * kBitTime, kIdle = 100;  // clocks
 constexpr int kMaxAnswer = 300, kMaxSettle = 8, kUnstable = -100;
 
 struct Device {
@@ -39,14 +40,14 @@ struct Device {
   // The wires between core and bank, until neither changes them.
   void settle() {
     for (int round = 0; round < kMaxSettle; ++round) {
+      const BankInput before = to;
       to.rst = top.rst_i;
       to.grant_req = top.grant_req_o, to.grant_space = top.grant_space_o, to.grant_write = top.grant_write_o;
       to.grant_first = top.grant_first_o, to.grant_last = top.grant_last_o, to.grant_file = top.grant_file_o;
       to.wb_cyc = top.wb_cyc_o, to.wb_stb = top.wb_stb_o, to.wb_we = top.wb_we_o;
       to.wb_adr = top.wb_adr_o, to.wb_write = top.wb_dat_o;
-      const BankOutput before = from;
+      if (round && before == to) return;  // the bank would say the same again
       bank->eval(false, to, from);
-      if (round && before == from) return;
       top.grant_ack_i = from.grant_ack, top.exception_i = from.exception;
       top.wb_ack_i = from.wb_ack, top.wb_err_i = from.wb_err, top.wb_dat_i = from.wb_read;
       top.clk_i = 0;
@@ -67,7 +68,6 @@ struct Device {
       noise ^= noise << 13, noise ^= noise >> 17, noise ^= noise << 5;
       drive(noise & 1);
     }
-    settle();
     bank->eval(true, to, from);  // both see what was there before the edge
     top.clk_i = 1;
     top.eval();
@@ -116,7 +116,7 @@ void device_reset(void *h) {
   d->top.rst_i = 1;
   for (int i = 0; i < 4; ++i) d->clock();
   d->top.rst_i = 0;
-  for (int i = 0; i < 2000; ++i) d->clock();
+  for (unsigned i = 0; i < 2 * kT35; ++i) d->clock();  // the core waits for a silence of t3.5 first
   d->changes.clear();
 }
 
@@ -157,7 +157,11 @@ int32_t device_xfer(void *h, int n, const uint8_t *bytes, uint32_t patience, uin
   d->top.rxd_i = 1;
   d->moving = true;
   const uint64_t end = m.now();
-  while (!m.ended() && (m.enabled() || m.now() < end + patience)) d->clock();
+  // Without an answer: until the core has been idle for a while, which it is not before t3.5 has passed.
+  for (unsigned idle = 0; !m.ended() && (m.enabled() || (m.now() < end + patience && idle < kIdle));) {
+    d->clock();
+    idle = d->top.idle_o && m.now() > end + kT35 ? idle + 1 : 0;
+  }
   d->moving = false;
   d->drive(0);
   for (int i = 0; i < 40 * int(kBitTime); ++i) d->clock();

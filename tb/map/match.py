@@ -11,7 +11,6 @@ from map.oracle import SPACE_OF, Oracle
 
 READS = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_registers"}
 PATIENCE = 30_000
-SILENT = 9_000
 
 
 class Match:
@@ -63,7 +62,7 @@ class Match:
         before = dict(oracle.values)
         oracle.strobes = []
         expected = oracle.request(frame)
-        seen, vectors = self.batch.request(frame, PATIENCE if expected else SILENT)
+        seen, vectors = self.batch.request(frame, PATIENCE)
         shown = f"{self.device.name}: {text(frame)}"
         self.judge(frame, expected, seen, shown)
         self.judge_outputs(before, vectors, shown)

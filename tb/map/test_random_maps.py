@@ -4,12 +4,15 @@
 
 import os
 import random
+import struct
 
 import pytest
 from harness.volume import volume
 from hypothesis import Phase, given, settings
 from hypothesis import seed as seeded
 from modbus_map import dump
+from modbus_map.rtl_plan import Plan
+from protocol.frames import adu
 
 from map import random_maps
 from map.batch import ADDRESS, Batch
@@ -49,6 +52,43 @@ def test_every_kind_of_point_agrees_with_its_oracle(seed):
     batch = Batch(devices)
     for number in range(len(devices)):
         assert not (wrong := fault(Match(batch, number), seed + number, MANY)), f"seed {seed}: {wrong}"
+
+
+def write(item, value):
+    """The request that writes a whole item of holding registers."""
+    made, index = item
+    words = made.registers(value & ((1 << made.bits) - 1))
+    first = made.addresses(index)[0]
+    return adu(ADDRESS, struct.pack(f">BHHB{len(words)}H", 16, first, len(words), 2 * len(words), *words))
+
+
+def test_limits_are_those_of_the_whole_value():
+    """From one legal value to another whose first word, beside the old second one, would be none."""
+    match = Match(Batch([small_drive(), relay_box()]), 0)
+    match.begin(random.Random(1))
+    for name, values in (("ramp", (65535, 65536, 65535)), ("offset", (-1, 3, -4, 0))):
+        for value in values:
+            match.step(write((match.device.point(name), 0), value))
+
+
+def test_registers_read_their_reset_values_behind_a_reset():
+    """Every register is read before a write, behind it, and behind the reset that follows; so are the inputs beside them."""
+    match = Match(Batch([small_drive(), relay_box()]), 0)
+    rng = random.Random(1)
+    points = [p for p in match.device.table("holding_registers") if p.writable and p.readable and p.kind == "register"]
+    assert Plan(match.device).reads_back and {point.bits for point in points} == {16, 32, 64}
+    shown = [(4, p) for p in match.device.table("input_registers")]
+    for _ in range(3):
+        match.begin(rng)
+        for repeat in range(2):
+            for code, point in [*((3, p) for p in points), *shown]:
+                match.step(adu(ADDRESS, struct.pack(">BHH", code, point.at, point.size)))
+                for index in range(point.count):
+                    match.step(adu(ADDRESS, struct.pack(">BHH", code, point.addresses(index)[0], point.width)))
+            for point in points if repeat == 0 else ():
+                for index in range(point.count):
+                    legal = [item.raw for item in point.enum] or [point.maximum] if point.is_limited else []
+                    match.step(write((point, index), legal[-1] if legal else rng.getrandbits(point.bits)))
 
 
 @pytest.mark.parametrize("start", range(0, COUNT, SHARE))

@@ -29,6 +29,7 @@ class Config:
     """What a slave is built and set up with; defaults are those of the live device."""
 
     address: int = 17
+    units: frozenset = frozenset()  # further addresses that are answered
     tables: dict = field(default_factory=reference_map)  # {space: (base, count)}
     functions: frozenset = ALL_FUNCTIONS
     limits: Limits = Limits()

@@ -158,7 +158,7 @@ class Slave(DataAccess):
         self.counts.update(self.errors)
         frame = bytes(c.byte for c in characters(line))
         answer = self._good(frame[0], frame[1:-2])
-        return None if answer is None else frames.adu(self.config.address, answer)
+        return None if answer is None else frames.adu(frame[0], answer)
 
     def hear(self, line):
         """Play characters in ASCII mode; the characters of the answer, or None.
@@ -187,7 +187,7 @@ class Slave(DataAccess):
                 continue
             good += 1
             pdu = self._good(data[0], data[1:])
-            answer = None if pdu is None else frames.ascii_adu(self.config.address, pdu)
+            answer = None if pdu is None else frames.ascii_adu(data[0], pdu)
         self.errors, self.allowed, self.good = must, may - must, good
         return answer
 
@@ -252,8 +252,8 @@ class Slave(DataAccess):
     def _for_us(self, address):
         if address == BROADCAST:
             return self.config.broadcast
-        own = self.config.address
-        return FIRST_ADDRESS <= own <= LAST_ADDRESS and address == own
+        ours = {self.config.address, *self.config.units}
+        return FIRST_ADDRESS <= address <= LAST_ADDRESS and address in ours
 
     # ------------------------------------------------------------------ the request
 

@@ -37,6 +37,10 @@ MISTAKES = [
         "WIDE ? -(DISCRETE_BASE / 16)",
     ),
     Mistake("io_beat_of_bits_writes_the_whole_word", "modbus_bank_io.v", "lanes[c % 16] && ", ""),
+    Mistake(
+        "read_back_survives_a_reset", "modbus_bank_io.v", "written_q[w] <= 1'b0;", "written_q[w] <= written_q[w];"
+    ),
+    Mistake("read_back_of_what_was_never_written", "modbus_bank_io.v", "& written_q[holding];", ";"),
     Mistake("file_0_is_there", "modbus_bank_guard.v", " & (few != {FW{1'b0}})", ""),
     Mistake("any_file_is_there", "modbus_bank_guard.v", "~many & ", ""),
     Mistake("axil_verdict_with_an_error", "modbus_bank_guard.v", "(ack_o & refused_q)", "refused_q"),

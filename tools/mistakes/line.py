@@ -5,6 +5,41 @@
 from .kinds import Mistake
 
 MISTAKES = [
+    Mistake(
+        "auto_foreign_frame_played", "modbus_auto_line.v", "wire for_us    = ours_q | all_q;", "wire for_us    = 1'b1;"
+    ),
+    Mistake(
+        "auto_parity_not_judged",
+        "modbus_auto_line.v",
+        "(is_parity ? parity_q ^ value : ~value)",
+        "(~is_parity & ~value)",
+    ),
+    Mistake(
+        "auto_three_characters_lock",
+        "modbus_auto_line.v",
+        "first & crc_zero & chars_q[3]",
+        "first & crc_zero & chars_q[2]",
+    ),
+    Mistake(
+        "auto_two_formats_lock",
+        "modbus_auto_line.v",
+        "locked_q  <= accept ? ~two_fit :",
+        "locked_q  <= accept ? 1'b1 :",
+    ),
+    Mistake(
+        "auto_own_echo_recorded",
+        "modbus_auto_line.v",
+        "(accept & ~for_us) | de_i | rst_i;",
+        "(accept & ~for_us) | rst_i;",
+    ),
+    Mistake("auto_spike_ends_the_lock", "modbus_auto_line.v", "(place_q[AW-1:3] == {AW-3{1'b0}})", "1'b0"),
+    Mistake("auto_break_not_noticed", "modbus_auto_line.v", "locked_q & ~is_break & ~enough", "locked_q & ~enough"),
+    Mistake("auto_always_snapped", "modbus_auto_line.v", "hit_q & ~less & snap_i;", "hit_q & ~less;"),
+    Mistake("auto_rate_within_three_percent", "modbus_run_ram.v", "ticks * 102 + 50", "ticks * 103 + 50"),
+    Mistake("units_broadcast_is_a_unit", "modbus_units.v", "ours_i & legal)", "ours_i)"),
+    Mistake(
+        "units_told_too_late", "modbus_units.v", "assign unit_o = here_q ? byte_i : unit_q;", "assign unit_o = unit_q;"
+    ),
     Mistake("crc_polynomial", "modbus_crc16.v", "16'hA001", "16'h8005"),
     Mistake(
         "crc_start_value",

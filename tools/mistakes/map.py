@@ -11,7 +11,7 @@ MISTAKES = [
     Mistake(
         "compiler_value_is_stored_word_by_word", BANK, "if (write_holding && closes && (", "if (write_holding && ("
     ),
-    Mistake("compiler_words_outside_the_request_are_stored", BANK, 'f"  if (covered[{word}]) {target}', 'f"  {target}'),
+    Mistake("compiler_words_outside_the_request_are_stored", BANK, 'f"  if (covered[{word}]) {stored}', 'f"  {stored}'),
     Mistake("compiler_value_is_loaded_at_each_word", BANK, "(~begun | part == {zero}", "(1'b1 | part == {zero}"),
     Mistake(
         "compiler_words_of_an_input_exchanged", PLAN, "word if point.word_order == ", "word if point.word_order != "
@@ -29,6 +29,16 @@ MISTAKES = [
         'closes = " && closes" if point.width > 1',
         'closes = "" if point.width > 1',
     ),
+    Mistake(
+        "compiler_reads_back_what_was_written_before_a_reset",
+        BANK,
+        'kept += [f"{name}_written_q <= {literal(point.size, 0)};"]',
+        'kept += [f"{name}_written_q <= {name}_written_q;"]',
+    ),
+    Mistake(
+        "compiler_reads_back_in_every_space", BANK, "<= written & (space == {SPACE_NAMES[3]})", "<= written & words"
+    ),
+    Mistake("compiler_limits_of_a_part", BANK, 'closes = " & closes" if plan', 'closes = "" if plan'),
     Mistake(
         "compiler_limit_is_one_low",
         BANK,

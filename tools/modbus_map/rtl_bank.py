@@ -16,17 +16,19 @@ TABLE_WORDS = ("coil", "discrete input", "input register", "holding register", "
 UNSIGNED, SIGNED, FLOAT = range(3)
 LOOP_FROM = 3  # items of an array that are written by a loop
 
-# Names that the bank needs for itself; a point of such a name gets another one inside the bank.
+# Names, and ends of names, that the bank needs for itself; a point of such a name gets another one inside the bank.
 OWN = frozenset(
     "clk rst grant_req grant_space grant_first grant_last grant_write grant_file grant_ack exception wb_cyc wb_stb wb_we "
     "wb_adr wb_dat wb_ack wb_err host_cyc host_stb host_we host_adr host_dat host_ack host_err row asked ack refused grant_refused host_ready "
-    "ready look held begun kind from stage bit memory host refuse unused".split()
+    "ready look held begun kind from stage bit memory host refuse back from_back unused".split()
 )
+
+OWN_ENDS = ("_frozen", "_stb", "_written")
 
 
 def signal(point: Point) -> str:
     """The name of a point inside the bank."""
-    return f"{point.name}_point" if point.name in OWN else point.name
+    return f"{point.name}_point" if point.name in OWN or point.name.endswith(OWN_ENDS) else point.name
 
 
 def port(point: Point, suffix: str) -> str:
@@ -61,6 +63,7 @@ class Bank:
             self.keys(),
             self.reading(),
             self.writing(),
+            self.read_back(),
             self.checking(),
             self.registers(),
             self.snapshots(),
@@ -99,9 +102,15 @@ class Bank:
             kept = [f"{name}_q"] if point.kind == "register" else [f"{name}_frozen_q"] if point.freeze else []
             for register in kept:
                 lines.append(f"  reg  {bits(size):<6} {register} = {literal(size, whole_reset(point))};")
+            if self.in_ram(point):
+                lines.append(f"  reg  {bits(point.size):<6} {name}_written_q = {literal(point.size, 0)};")
             if point.strobe:
                 lines.append(f"  reg  {bits(point.count):<6} {name}_stb_q = {literal(point.count, 0)};")
         return ["  // What the points hold", *lines, ""] if lines else []
+
+    def in_ram(self, point: Point) -> bool:
+        """True if the registers of a point are read back from the RAM."""
+        return self.plan.in_ram(Item(point, 0))
 
     def ports(self, point: Point) -> list[tuple[str, str, str, str]]:
         """(direction, range, name, comment) of the ports of a point."""
@@ -363,6 +372,7 @@ class Bank:
         """The case that finds an item by its key."""
         plan = self.plan
         rows: list[tuple[list[str], str]] = []
+        resets: dict[str, list[str]] = {}  # of the words that are in the RAM
         for item in plan.items(space):
             if not plan.read_back(item):
                 continue
@@ -370,7 +380,13 @@ class Bank:
             if plan.is_whole(item):
                 rows.append((keys, self.item_value(item, range(item.point.width), width)))
             else:
-                rows += [([key], self.item_value(item, [word], width)) for word, key in enumerate(keys)]
+                for word, key in enumerate(keys):
+                    value = self.item_value(item, [word], width)
+                    if plan.in_ram(item):
+                        resets.setdefault(value, []).append(key)
+                    else:
+                        rows.append(([key], value))
+        rows += [(keys, value) for value, keys in sorted(resets.items(), key=lambda found: len(found[1]))]
         lines = [f"case ({KEYS[space]})"]
         for n, (keys, value) in enumerate(rows):
             known = f"{KEYS[space]}_is ? {value} : {width}'d0" if plan.has_free_addresses(space) else value
@@ -382,8 +398,7 @@ class Bank:
             lines.append(f"  default: item = {width}'d0;")
         return [*lines, "endcase"]
 
-    @staticmethod
-    def item_value(item: Item, words, width: int) -> str:
+    def item_value(self, item: Item, words, width: int) -> str:
         """Words of an item, the first on top, zeros below."""
         point, parts = item.point, []
         spans: list[list[int]] = []
@@ -394,7 +409,7 @@ class Bank:
             else:
                 spans.append([high, low])
         for high, low in spans:
-            if point.kind == "constant":
+            if point.kind == "constant" or self.plan.in_ram(item):
                 parts.append(literal(high - low + 1, whole_reset(point) >> low & ((1 << (high - low + 1)) - 1)))
             else:
                 parts.append(slice_of(source(point), point.bits * point.count, high, low))
@@ -426,6 +441,49 @@ class Bank:
             zero = literal((plan.held_words - 1).bit_length(), 0)
             load += f" & (~begun | part == {zero}{' | wb_we_i' if plan.checks else ''})"
         return [*lines, f"  always @(posedge clk_i) if ({load}) held_q <= item;"]
+
+    def read_back(self) -> list[str]:
+        """The RAM that has what the master has written, so that no multiplexer takes it from the registers."""
+        plan = self.plan
+        if not plan.reads_back:
+            return []
+        size, gaps = 1 << plan.key_width(3), " & holding_is" if plan.has_free_addresses(3) else ""
+        memory = " & ~in_memory" if plan.areas else ""
+        lines = [
+            *banner("Read back"),
+            "  // Registers that are written and read back: each write goes to a RAM too, and a read takes its word from there.",
+            "  // A RAM keeps its words through rst_i, so until a register has been written held_q has its reset value.",
+            f"  (* no_rw_check *) reg [15:0] back [0:{size - 1}];",
+            "  reg  [15:0] back_q;",
+            "  reg         from_back_q;",
+            "  reg         written;",
+            "",
+            "  always @* begin",
+            "    case (holding)",
+        ]
+        for item in plan.items(3):
+            if plan.in_ram(item):
+                for word, address in enumerate(item.addresses):
+                    flag = self.written(item, word)
+                    lines.append(f"      {literal(plan.key_width(3), plan.key(3, address))}: written = {flag};")
+        return [
+            *lines,
+            "      default: written = 1'b0;",
+            "    endcase",
+            "  end",
+            "",
+            "  always @(posedge clk_i) begin",
+            "    if (write_holding) back[holding] <= wb_dat_i;",
+            "    back_q <= back[holding];",
+            f"    from_back_q <= written & (space == {SPACE_NAMES[3]}){gaps}{memory};",
+            "  end",
+        ]
+
+    @staticmethod
+    def written(item: Item, word: int) -> str:
+        """The flag of a word: it has been written since the reset."""
+        number = item.index * item.point.width + word
+        return slice_of(f"{signal(item.point)}_written_q", item.point.size, number, number)
 
     # ---------------------------------------------------------------- writing
 
@@ -612,7 +670,10 @@ class Bank:
             lines.append("  always @(posedge clk_i) begin")
             body = self.stores(point)
             lines += ["    " + line for line in body]
-            lines.append(f"    if (rst_i) {name}_q <= {reset};" if body else f"    {name}_q <= {reset};")
+            kept = [f"{name}_q <= {reset};"]
+            kept += [f"{name}_written_q <= {literal(point.size, 0)};"] if self.in_ram(point) else []
+            cleared = kept[0] if len(kept) == 1 else f"begin {' '.join(kept)} end"
+            lines.append(f"    if (rst_i) {cleared}" if body else f"    {cleared}")
             if point.strobe:
                 lines += ["    " + line for line in self.strobes(point)]
             lines += ["  end", f"  assign {port(point, 'o')} = {name}_q;"]
@@ -645,24 +706,36 @@ class Bank:
             first = plan.key(space, point.at)
             index = f"n[{width - 1}:0]" if first == 0 else f"{literal(width, first)} + n[{width - 1}:0]"
             target = f"{name}_q[n]" if space == 0 else f"{name}_q[16*n +: 16]"
+            stored = self.stored(f"{target} <= {data};", f"{name}_written_q[n]" if self.in_ram(point) else "")
             return [
                 f"for (n = 0; n < {point.count}; n = n + 1)",
-                f"  if ({write} && {KEYS[space]} == {index}) {target} <= {data};",
+                f"  if ({write} && {KEYS[space]} == {index}) {stored}",
             ]
         lines = []
         for item in self.items_of(point):
             if point.is_bit or point.width == 1:
                 high, low = (item.index, item.index) if point.is_bit else item.word_bits(0)
                 target = slice_of(f"{name}_q", point.bits * point.count, high, low)
-                lines.append(f"if ({write} && {self.hit(item)}) {target} <= {data};")
+                stored = self.stored(f"{target} <= {data};", self.flag(item, 0))
+                lines.append(f"if ({write} && {self.hit(item)}) {stored}")
             else:
                 lines.append(f"if (write_holding && closes && ({self.hit(item)})) begin")
                 for word in range(point.width):
                     high, low = item.word_bits(word)
                     target = slice_of(f"{name}_q", point.bits * point.count, high, low)
-                    lines.append(f"  if (covered[{word}]) {target} <= word_{word};")
+                    stored = self.stored(f"{target} <= word_{word};", self.flag(item, word))
+                    lines.append(f"  if (covered[{word}]) {stored}")
                 lines.append("end")
         return lines
+
+    def flag(self, item: Item, word: int) -> str:
+        """The flag that a write of the word sets; nothing where there is none."""
+        return self.written(item, word) if self.plan.in_ram(item) else ""
+
+    @staticmethod
+    def stored(statement: str, flag: str) -> str:
+        """A store of a word, with that of its flag."""
+        return f"begin {statement} {flag} <= 1'b1; end" if flag else statement
 
     def strobes(self, point: Point) -> list[str]:
         """The statements that tell of a write."""
@@ -821,6 +894,8 @@ class Bank:
         gaps = [f"space == {SPACE_NAMES[s]}" for s in range(4) if plan.has_free_addresses(s) and not plan.has(s)]
         if gaps and plan.keys:
             shown = f"({' || '.join(gaps)}) ? 16'd0 : {shown}"
+        if plan.reads_back:
+            shown = f"from_back_q ? back_q : {shown}"
         if plan.areas:
             shown = f"in_memory ? memory_q : {shown}" if plan.keys or gaps else "memory_q"
         refuse = "refuse_q" if plan.checks else ""

@@ -17,6 +17,7 @@ from modbus_map.model import ITEMS, SPACES, Device, Point
 
 FILES_SPACE = 4
 MASK_WRITE = 22
+READ_BACK_FROM = 4  # registers that are read back: as many as this cost less from a RAM than by a multiplexer
 COMPARED_ENUM = 2  # runs of an enum that are compared as limits; one with more gaps is a list
 
 
@@ -192,6 +193,21 @@ class Plan:
         """True if the bank gives this value to the core: it is readable, or a mask write reads it first."""
         point = item.point
         return point.readable or (point.writable and MASK_WRITE in self.device.functions) or self.is_whole(item)
+
+    def may_be_in_ram(self, item: Item) -> bool:
+        """True if a RAM can give its words: the master alone changes them, and they are read one at a time."""
+        point = item.point
+        return SPACES[point.table] == 3 and point.kind == "register" and point.writable and not self.is_whole(item)
+
+    @cached_property
+    def reads_back(self) -> bool:
+        """True if registers that the master writes are read back from a RAM."""
+        items = [item for item in self.items(3) if self.may_be_in_ram(item) and self.read_back(item)]
+        return sum(item.point.width for item in items) >= READ_BACK_FROM
+
+    def in_ram(self, item: Item) -> bool:
+        """True if the words of the item are read back from the RAM."""
+        return self.reads_back and self.may_be_in_ram(item) and self.read_back(item)
 
     # ---------------------------------------------------------------- grant
 

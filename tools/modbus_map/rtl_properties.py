@@ -7,7 +7,7 @@ from __future__ import annotations
 from modbus_map.model import SPACES, Device, Point
 from modbus_map.rtl_bank import between, port
 from modbus_map.rtl_plan import Item, Plan
-from modbus_map.rtl_text import bits
+from modbus_map.rtl_text import bits, slice_of
 
 
 def properties(device: Device) -> str:
@@ -112,6 +112,7 @@ def properties(device: Device) -> str:
         if point.width > 1 and point.kind in ("register", "wire"):
             for index in range(point.count):
                 lines += block(point, Item(point, index))
+    lines += read_back(device)
     lines += grants(device, plan)
     return "\n".join([*lines, "endmodule", "", "`default_nettype wire"]) + "\n"
 
@@ -178,6 +179,30 @@ def block(point: Point, item: Item) -> list[str]:
             "",
         ]
     return []
+
+
+def read_back(device: Device) -> list[str]:
+    """A register that the master writes reads as its output shows it."""
+    rows = []
+    for point in device.points:
+        if point.table != "holding_registers" or point.kind != "register" or not (point.writable and point.readable):
+            continue
+        for item in (Item(point, index) for index in range(point.count)):
+            for word, address in enumerate(item.addresses):
+                high, low = item.word_bits(word)
+                value = slice_of(port(point, "o"), point.bits * point.count, high, low)
+                rows.append(f"      16'd{address}: assert (wb_dat_o == {value});")
+    if not rows:
+        return []
+    return [
+        "  // A register that the master writes reads as its output shows it.",
+        "  always @(posedge clk_i) if (f_past && !rst_i && done && !wb_we_i && space == `MB_SPACE_HOLDINGS)",
+        "    case (address)",
+        *rows,
+        "      default: ;",
+        "    endcase",
+        "",
+    ]
 
 
 def grants(device: Device, plan: Plan) -> list[str]:

@@ -116,6 +116,23 @@ def packed(point, values):
     return sum(value << n * point.bits for n, value in enumerate(values))
 
 
+def shown(point, values):
+    """The items as the master reads them."""
+    return [word for value in values for word in (point.words(value) if point.bits > 1 else [value])]
+
+
+def adjoining(points):
+    """The points in groups: those of a group follow each other without a gap."""
+    groups = []
+    for point in sorted(points, key=lambda p: (p.table, p.at)):
+        last = groups[-1][-1] if groups else None
+        if last and last.table == point.table and last.place(last.count) == point.at:
+            groups[-1].append(point)
+        else:
+            groups.append([point])
+    return groups
+
+
 def neighbours(point, item):
     """[(point, item) that ends before this item or begins behind it] where the master may write."""
     here, found = point.place(item), []
@@ -242,13 +259,32 @@ class Bench:
 
     async def expect(self, point, values, first=0, last=None):
         """The master reads these values of the items first to last."""
-        items = range(first, point.count if last is None else last + 1)
-        wanted = [word for n in items for word in (point.words(values[n]) if point.bits > 1 else [values[n]])]
+        wanted = shown(point, [values[n] for n in range(first, point.count if last is None else last + 1)])
         most = 2000 if point.table in BIT_TABLES else MOST_READ
         for start in range(0, len(wanted), most):
             part = wanted[start : start + most]
             code, seen = await self.read(point.table, point.place(first) + start, len(part))
             assert (code, seen) == (0, part), f"{point.name}: exception {code}, read {seen}, not {part}"
+
+    async def read_all(self, points):
+        """{name: registers or bits} of points, those that adjoin in one request if it has room for them."""
+        found = {}
+        for group in adjoining(points):
+            table, first, words = group[0].table, group[0].at, []
+            end, most = group[-1].place(group[-1].count), 2000 if table in BIT_TABLES else MOST_READ
+            for at in range(first, end, most):
+                code, part = await self.read(table, at, min(most, end - at))
+                assert code == 0, f"{table} {at}: exception {code}"
+                words += part
+            found |= {p.name: words[p.at - first : p.place(p.count) - first] for p in group}
+        return found
+
+    async def expect_all(self, points, values):
+        """The master reads these values, {name: values}."""
+        seen = await self.read_all(points)
+        for point in points:
+            wanted = shown(point, values[point.name])
+            assert seen[point.name] == wanted, f"{point.name}: read {seen[point.name]}, not {wanted}"
 
     def expect_output(self, point):
         if point.kind == "register":
@@ -339,8 +375,8 @@ async def reset_values(dut):
     bench = await Bench(dut).begin()
     for point in POINTS:
         bench.expect_output(point)
-        if point.kind in ("register", "constant", "memory") and point.access != "wo" and can_read(point.table):
-            await bench.expect(point, point.resets)
+    held = [p for p in POINTS if p.kind in ("register", "constant", "memory") and p.access != "wo" and can_read(p.table)]
+    await bench.expect_all(held, {p.name: p.resets for p in held})
 
 
 @cocotb.test(skip=not any(p.kind == "wire" and not p.freeze for p in POINTS))
@@ -491,7 +527,7 @@ async def snapshots_are_of_one_moment(dut):
         sets = [{p.name: pattern(p, which) for p in points} for which in (0, 1)]
         for point in points:
             bench.drive(point, sets[0][point.name])
-            await bench.expect(point, point.resets)
+        await bench.expect_all(points, {p.name: p.resets for p in points})
         task = cocotb.start_soon(bench.alternate(points, sets))
         if BROADCAST:
             function = 5 if 5 in FUNCTIONS else 15
@@ -506,22 +542,15 @@ async def snapshots_are_of_one_moment(dut):
         else:
             assert await bench.write("coils", coil.at, [1]) == 0
         task.cancel()
-        taken = None
-        for value in (None, 0):
-            for point in points:
-                bench.drive(point, [0] * point.count)
-                if taken is None:
-                    item = 0
-                    _, seen = await bench.read(point.table, point.place(item), point.width)
-                    words = [point.words(s[point.name][0]) if point.bits > 1 else [s[point.name][0]] for s in sets]
-                    assert seen in words, f"{point.name}: read {seen}, not one of {words}"
-                    taken = sets[words.index(seen)]
-                await bench.expect(point, taken[point.name])
-            if value is None:
-                assert await bench.write("coils", coil.at, [0]) == 0
-        assert await bench.write("coils", coil.at, [1]) == 0
         for point in points:
-            await bench.expect(point, [0] * point.count)
+            bench.drive(point, [0] * point.count)
+        taken = await bench.read_all(points)
+        words = [{p.name: shown(p, values[p.name]) for p in points} for values in sets]
+        assert taken in words, f"read {taken}, not one of {words}"
+        assert await bench.write("coils", coil.at, [0]) == 0
+        assert await bench.read_all(points) == taken, "writing 0 to the coil has changed them"
+        assert await bench.write("coils", coil.at, [1]) == 0
+        await bench.expect_all(points, {p.name: [0] * p.count for p in points})
 
 
 @cocotb.test(skip=22 not in FUNCTIONS)

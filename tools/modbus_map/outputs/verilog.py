@@ -18,7 +18,6 @@ from modbus_map.rtl_text import aligned, bits, packed
 ROOT = Path(__file__).resolve().parents[3]
 CORE_FOLDER = "$(MODBUS_RTU)"  # in NAME.f: the folder of this project
 
-OF_THE_BIT = ("BIT_FRACTIONS", "GLITCH_FILTER")  # of the core, and BAUD is judged by them
 TEXTS = {
     "VENDOR_NAME": "vendor",
     "PRODUCT_CODE": "product",
@@ -152,16 +151,19 @@ def binds_of(point) -> list[str]:
 
 def settings(device: Device) -> list[str]:
     """What becomes settings_i."""
+    known = core_parameters.parameters()
     if not device.line.run_time:
-        names = [*core_parameters.settings(), *OF_THE_BIT]
-        lines = [f"  localparam integer {name} = {device.core_parameter(name)};" for name in names]
-        lines += [f"  localparam integer {name} = {value};" for name, value in core_parameters.ASCII.items()]
+        values = {
+            name: device.core_parameter(name) if name in known else default
+            for name, default in core_parameters.of_the_value().items()
+        }
+        lines = [f"  localparam integer {name} = {value};" for name, value in values.items()]
         return [*lines, "", '`include "modbus_settings_value.vh"', ""]
-    values = {"ADDRESS": "address_i", "BIT_TIME": "bit_time_i", "FORMAT": "format_i", "BIT_FRACTION": "4'd0"}
-    values |= dict.fromkeys(("ASCII", "EIGHT_BITS"), "1'b0") | {"ASCII_EXTRA": "2'd0"}
+    values = {"ADDRESS": "address_i", "BIT_TIME": "bit_time_i", "FORMAT": "format_i"}
     lines = ["  wire [`MB_SETTINGS_WIDTH-1:0] SETTINGS;"]
     for macro, name, width in core_parameters.fields():
-        value = values.get(name) or f"{width}'d{device.core_parameter(name)}"
+        off = 0  # what a map cannot set is off
+        value = values.get(name) or f"{width}'d{device.core_parameter(name) if name in known else off}"
         lines.append(f"  assign SETTINGS[`{macro}] = {value};")
     return [*lines, ""]
 
@@ -207,7 +209,7 @@ def core(device: Device, ports: list[Port]) -> list[str]:
         ".clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(SETTINGS),",
         ".host_state_i(`MB_HOST_AT_REST), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),",
         ".user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(), .status_ack_o(),",
-        f".write_stb_o(), .events_o(), .alive_o({alive}), .rx_active_o(), .listen_only_o(), .idle_o(),",
+        f".write_stb_o(), .events_o(), .alive_o({alive}), .rx_active_o(), .listen_only_o(), .unit_o(), .idle_o(),",
     ]
     return [
         f"  // Function codes {codes}",

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""What docs/auto_line.md says of modbus_auto_line: requests until the first answer, a changed rate, noise."""
+
+import random
+from collections import Counter
+
+from protocol import frames
+
+from .lab import FORMATS, OWN, RATES, Master, request, start
+
+SEED = 1
+MOST = 4  # requests that are tried
+
+
+def fits_two(frame):
+    """Is a frame the same on the line in 8N2 and in 8E1 or 8O1: do all bytes have the same parity?"""
+    return len({bin(byte).count("1") & 1 for byte in frame}) == 1
+
+
+def starts(device, each, seed=SEED, rates=RATES):
+    """{(rate, format name): Counter of requests until the first answer} of so many random starts for each."""
+    rng = random.Random(seed)
+    pairs = [(rate, fmt) for rate in rates for fmt in FORMATS]
+    return {(rate, fmt.name): Counter(start(device, rate, fmt, rng) for _ in range(each)) for rate, fmt in pairs}
+
+
+def changed_rate(device, changes, seed=SEED, rates=RATES):
+    """Counter of frames until the lock is right again behind a change of rate or format (MOST + 1: never)."""
+    rng, found = random.Random(seed), Counter()
+    before = None
+    device.reset()
+    for _ in range(changes):
+        rate, fmt = before or (rng.choice(rates), rng.choice(FORMATS))
+        master = Master(device, rate, fmt, rng)
+        for _ in range(3):  # settle
+            master.ask(request(rng))
+        while (rate, fmt) == (master.rate, master.fmt):
+            rate, fmt = rng.choice(rates), rng.choice(FORMATS)
+        device.rest(0.01 + 100 / min(rate, master.rate))
+        master = Master(device, rate, fmt, rng)
+        number = 1
+        while not master.ask(request(rng)) and number <= MOST:
+            device.rest(0.01 + 50 / rate)
+            number += 1
+        found[number] += 1
+        before = rate, fmt
+    return found
+
+
+def noise(device, frames_of_noise, seed=SEED, rate=115200, bytes_each=8):
+    """How often noise for so many frame times locked."""
+    device.reset()
+    before = device.state().locks
+    bit = 1 / rate
+    rng = random.Random(seed)
+    left = frames_of_noise * bytes_each * 11 * bit
+    while left > 0:
+        span = min(left, 0.5)
+        shortest = bit * rng.choice((0.05, 0.5, 0.9, 1))
+        longest, silence = shortest * rng.choice((1.2, 4, 9)), rng.choice((20, 40, 200)) * bit
+        device.noise(span, shortest, longest, silence, rng.getrandbits(32))
+        left -= span
+    return device.state().locks - before
+
+
+def foreign(address, rng):
+    """A good frame for another slave."""
+    return frames.adu(address, request(rng)[1:-2])
+
+
+__all__ = ["OWN", "changed_rate", "fits_two", "foreign", "noise", "starts"]
