@@ -136,7 +136,6 @@ def test_two_clients_get_a_warning(folder):
 def with_a_gap(port, gap_s, slack_s):
     """True if a request with a gap inside is answered; None if this process made the gap longer by more than slack."""
     sent = 4 * 11 / 115200
-    begun = time.monotonic()
     port.write(READ[:4])
     end = time.monotonic() + sent + gap_s
     while (now := time.monotonic()) < end:
