@@ -62,8 +62,19 @@ def fresh_verilator():
     return None
 
 
+@contextlib.contextmanager
+def same_environment():
+    """What changes os.environ inside is undone: a later test finds the tools that it would find alone."""
+    before = dict(os.environ)
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
+
+
 def simulator(name):
-    """Make simulator `name` usable, or skip the test with the reason."""
+    """Make simulator `name` usable, or skip the test with the reason; changes PATH."""
     if name == "icarus" and not shutil.which("iverilog"):
         pytest.skip("Icarus Verilog (iverilog) is not installed")
     if name == "verilator":
@@ -153,7 +164,11 @@ def run(record_property, sim, top, modules, parameters=None, env=None, only=None
     `own` names the folder of a run that may go beside others of the same build.
     Every cocotb test is handed to the closing count by `record_property`.
     """
-    parameters = parameters or {}
+    with same_environment():
+        _run(record_property, sim, top, modules, parameters or {}, env, only, own, netlist, made)
+
+
+def _run(record_property, sim, top, modules, parameters, env, only, own, netlist, made):
     modules = [modules] if isinstance(modules, str) else list(modules)
     runner, folder = build(sim, top, parameters, own, netlist, made)
     extra = {
