@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from harness.runner import PRODUCTS, ROOT, fresh_verilator, simulator
+from harness.runner import PRODUCTS, ROOT, fresh_verilator, same_environment, simulator
 from harness.volume import volume
 from modbus_map.checks import compile_source, load_device
 from modbus_map.loader import parse
@@ -51,14 +51,16 @@ def fast():
 
 def bench_of(device, place, change=lambda text: text, case="", sim="icarus"):
     """(exit status, {test: True if it passed}, what was printed) of the generated bench."""
-    simulator(sim)
+    with same_environment():
+        simulator(sim)
+        environment = dict(os.environ)
     folder = PRODUCTS / "map_testbench" / place
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in {**verilog.generate(device), **testbench.generate(device)}.items():
         (folder / name).write_text(change(text) if name == f"{device.name}.v" else text, encoding="utf-8")
     settings = {"MODBUS_RTU": str(ROOT), "SIM": sim, **({"COCOTB_TEST_FILTER": rf"\.{case}$"} if case else {})}
     done = subprocess.run(
-        [sys.executable, f"test_{device.name}.py"], cwd=folder, env={**os.environ, **settings}, capture_output=True,
+        [sys.executable, f"test_{device.name}.py"], cwd=folder, env={**environment, **settings}, capture_output=True,
         text=True, check=False,
     )  # fmt: skip
     said = done.stdout + done.stderr
