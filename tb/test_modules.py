@@ -47,6 +47,7 @@ MODULES = {
     "alive_2_ms": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 2}, "line.alive"),
     "alive_for_ever": ("modbus_alive", {"CLK_HZ": 20_000, "TIMEOUT_MS": 0}, "line.alive"),
     "auto_line": ("modbus_auto_line", {"CLK_HZ": 1_000_000, "MIN_BAUD": 1000}, "line.auto_line"),
+    "line_health": ("modbus_line_health", {}, "line.line_health"),
     "program": ("modbus_program", {}, "engine.program"),
     "sequencer": ("modbus_sequencer", {"USER_CODES": 1 << 65}, "engine.sequencer"),
     "range": ("modbus_range", {}, "engine.range"),

@@ -118,7 +118,7 @@ module modbus_line_health #(
     left_q <= left_q + (tick ? more : less);
     turn_q <= last_turn ? 4'd0 : turn_q + 4'd1;
     if (tick && !held) time_q <= time_q + {{NW-4{1'b0}}, ~fine, 1'b0, ~fine, fine};
-    if (begins) begin
+    if (begins || rst_i) begin
       left_q <= {BW+1{1'b1}};
       turn_q <= 4'd0;
       time_q <= {NW{1'b0}};
@@ -174,13 +174,9 @@ module modbus_line_health #(
   wire stores   = behind & place[0];
   wire [3:0] word_of_place = stores ? {3'b011, place[1]} : {place[3], place[2] & ~place[3], place[1:0]};
 
-  (* no_rw_check, ram_style = "block" *) reg [15:0] memory [0:15];
-  reg  [15:0] word;
+  wire [15:0] word;
   reg  [NW-1:0] distance_q;
   reg         ack_q = 1'b0;
-
-  integer i;
-  initial for (i = 0; i < 16; i = i + 1) memory[i] = 16'd0;
 
   // One adder: word + 1, word - distance, word - 1000; when a word is replaced, its carry still compares.
   wire        replaces = clear_q | in_frame | stores;
@@ -196,9 +192,12 @@ module modbus_line_health #(
   wire write   = second & (clear_q | (active & agrees));
   wire fetch   = second & keep_q & fetches;
 
+  modbus_health_ram u_ram (
+    .clk_i(clk_i), .write_i(write), .write_adr_i(word_of_place), .write_dat_i(new_word),
+    .read_adr_i(second ? {1'b0, adr_i} : word_of_place), .word_o(word)
+  );
+
   always @(posedge clk_i) begin
-    if (write) memory[word_of_place] <= new_word;
-    word  <= memory[second ? {1'b0, adr_i} : word_of_place];
     ack_q <= stb_i & second & ~write;
     if (fetch) distance_q <= sum[NW-1:0];
     if (fetch && !place[1] && !not_less) distance_q <= {NW{1'b0}};
@@ -221,6 +220,7 @@ module modbus_line_health #(
 
   (* anyconst *) reg [2:0] f_word;               // any counter
   always @* assume (f_word < 3'd6);
+  wire [7:0] f_happens = {2'b00, happens};
   reg       f_owes = 1'b0;                       // it has happened since it was counted last
   reg [6:0] f_age = 7'd0;                        // clocks for which that is so
   wire      f_turn = second & ({1'b0, f_word} == place);       // its place in the round
@@ -229,7 +229,7 @@ module modbus_line_health #(
   reg       f_good = 1'b0;                       // a good frame since word 7 was written
 
   always @(posedge clk_i) begin
-    f_owes <= happens[f_word] | (f_owes & ~(f_turn & count_q[0]));
+    f_owes <= f_happens[f_word] | (f_owes & ~(f_turn & count_q[0]));
     f_age  <= (f_owes && !(f_turn && count_q[0])) ? f_age + 7'd1 : 7'd0;
     f_wait <= (stb_i && !ack_o) ? f_wait + 6'd1 : 6'd0;
     f_good <= events_i[`MB_EVENT_FRAME] | (f_good & ~(turns & keep_q));
@@ -246,16 +246,15 @@ module modbus_line_health #(
     // The largest gap only grows; the bit time needs a good frame.
     if (write && word_of_place == 4'd6) assert (clear_q ? new_word == 16'd0 : f_good && new_word > word);
     if (write && word_of_place == 4'd7) assert (clear_q ? new_word == 16'd0 : f_good);
-    // The host gets the word, and soon.
-    if (second) assert (word == memory[word_of_place]);
-    if (ack_o) assert (!second && word == memory[{1'b0, adr_i}]);
+    // What is written belongs to what was read; the host gets its word, and soon.
+    if (second) assert ($past(word_of_place) == word_of_place && !$past(write));
+    if (ack_o) assert ($past(second && !write && stb_i) && $stable(adr_i));
     if (f_wait > 6'd4) assert (clear_q || $past(clear_q, 4));
-    // Time goes on, and a bit time is what a thousandth and the rest make.
-    if (!$past(begins)) assert (time_q >= $past(time_q));
+    // Time goes on.
+    if (!$past(begins | rst_i)) assert (time_q >= $past(time_q));
     assert (!(glitch && is_break));
     cover (f_counts && write);
     cover (ack_o && clear_q);
-    cover (begins && rx_active_i);
   end
 `endif
 
