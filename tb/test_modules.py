@@ -70,6 +70,11 @@ MODULES = {
         {"CLK_HZ": 1_000_000, "BIT_TIME": 16, "T15_MIN_US": 0, "T35_MIN_US": 0},
         "examples.example_units",
     ),
+    "example_health": (
+        "modbus_example_health",
+        {"CLK_HZ": 16_000, "BAUD": 1000, "ADDRESS": 17, "T15_MIN_US": 0, "T35_MIN_US": 0},
+        "examples.example_health",
+    ),
     "bank_ram_wide": ("modbus_bank_ram", {**TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "bank_io_read_back": ("modbus_bank_io", {**IO_TABLES, "READ_BACK_RAM": 1}, "bank.bank_bus"),
     "bank_io_read_back_one": ("modbus_bank_io", {"HOLDING_COUNT": 1, "READ_BACK_RAM": 1}, "bank.bank_bus"),

@@ -17,7 +17,7 @@ module modbus_health_ram (
 );
 
   (* no_rw_check, ram_style = "block" *) reg [15:0] memory [0:15];
-  reg [15:0] word_q = 16'd0;
+  reg [15:0] word_q;
 
   integer i;
   initial for (i = 0; i < 16; i = i + 1) memory[i] = 16'd0;

@@ -221,25 +221,25 @@ module modbus_line_health #(
   (* anyconst *) reg [2:0] f_word;               // any counter
   always @* assume (f_word < 3'd6);
   wire [7:0] f_happens = {2'b00, happens};
-  reg       f_owes = 1'b0;                       // it has happened since it was counted last
-  reg [6:0] f_age = 7'd0;                        // clocks for which that is so
+  reg       f_new = 1'b0, f_old = 1'b0;          // it has happened in this round, in the last one
   wire      f_turn = second & ({1'b0, f_word} == place);       // its place in the round
   wire      f_counts = f_turn & count_q[0] & ~clear_q;
   reg [5:0] f_wait = 6'd0;                       // clocks for which the host has waited
-  reg       f_good = 1'b0;                       // a good frame since word 7 was written
+  reg [6:0] f_since = 7'd127;                    // clocks since the last good frame, 127 and more
+  wire      f_good = (f_since < 7'd64);
 
   always @(posedge clk_i) begin
-    f_owes <= f_happens[f_word] | (f_owes & ~(f_turn & count_q[0]));
-    f_age  <= (f_owes && !(f_turn && count_q[0])) ? f_age + 7'd1 : 7'd0;
+    f_new  <= f_happens[f_word] | (f_new & ~turns);
+    if (turns) f_old <= f_new;
     f_wait <= (stb_i && !ack_o) ? f_wait + 6'd1 : 6'd0;
-    f_good <= events_i[`MB_EVENT_FRAME] | (f_good & ~(turns & keep_q));
+    f_since <= events_i[`MB_EVENT_FRAME] ? 7'd0 : (&f_since) ? f_since : f_since + 7'd1;
   end
 
   always @(posedge clk_i) if (f_past) begin
-    // Each event counts, once, within 64 clocks; a counter only goes up by one, and never over.
-    assert (f_age < 7'd64);
+    // Each event counts, once, in the round behind it; a counter only goes up by one, and never over.
+    if (f_turn) assert (count_q[0] == f_old);
     if (write && word_of_place == {1'b0, f_word}) begin
-      assert (clear_q || (f_counts && f_owes));
+      assert (clear_q || f_counts);
       assert (clear_q ? new_word == 16'd0 : new_word == word + 16'd1 && word != 16'hFFFF);
     end
     if (f_counts && word != 16'hFFFF) assert (write);
