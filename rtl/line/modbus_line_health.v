@@ -26,8 +26,8 @@
 // What is on the line while de_i is high is neither counted nor measured.  Good and bad are what the core says
 // (events_o), of every frame that it receives (MODBUS over Serial Line V1.02, 2.5.1); the line is only heard.
 //
-// Read port: stb_i and adr_i stay until ack_o, which comes one to four clocks later, and up to 35 while the words are
-// cleared.  dat_o holds the word in that clock alone.
+// Read port: stb_i and adr_i stay until ack_o, which comes one or two clocks later, or behind what is being written: up
+// to 14 clocks, up to 34 while the words are cleared.  dat_o holds the word in that clock alone.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -224,15 +224,13 @@ module modbus_line_health #(
   reg       f_new = 1'b0, f_old = 1'b0;          // it has happened in this round, in the last one
   wire      f_turn = second & ({1'b0, f_word} == place);       // its place in the round
   wire      f_counts = f_turn & count_q[0] & ~clear_q;
-  reg [5:0] f_wait = 6'd0;                       // clocks for which the host has waited
-  reg [6:0] f_since = 7'd127;                    // clocks since the last good frame, 127 and more
-  wire      f_good = (f_since < 7'd64);
+  reg       f_good_new = 1'b0, f_good = 1'b0;    // a good frame in this round, in the last one
 
   always @(posedge clk_i) begin
     f_new  <= f_happens[f_word] | (f_new & ~turns);
     if (turns) f_old <= f_new;
-    f_wait <= (stb_i && !ack_o) ? f_wait + 6'd1 : 6'd0;
-    f_since <= events_i[`MB_EVENT_FRAME] ? 7'd0 : (&f_since) ? f_since : f_since + 7'd1;
+    f_good_new <= events_i[`MB_EVENT_FRAME] | (f_good_new & ~turns);
+    if (turns) f_good <= f_good_new;
   end
 
   always @(posedge clk_i) if (f_past) begin
@@ -249,7 +247,7 @@ module modbus_line_health #(
     // What is written belongs to what was read; the host gets its word, and soon.
     if (second) assert ($past(word_of_place) == word_of_place && !$past(write));
     if (ack_o) assert ($past(second && !write && stb_i) && $stable(adr_i));
-    if (f_wait > 6'd4) assert (clear_q || $past(clear_q, 4));
+    assert (ack_o == $past(second && stb_i && !write));
     // Time goes on.
     if (!$past(begins | rst_i)) assert (time_q >= $past(time_q));
     assert (!(glitch && is_break));

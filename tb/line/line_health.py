@@ -26,13 +26,12 @@ class Health:
     async def read(self, word):
         dut = self.dut
         dut.adr_i.value, dut.stb_i.value = word, 1
-        for waited in range(1, 80):
+        waited = 0
+        while not waited or not int(dut.ack_o.value):
+            waited += 1
+            assert waited < 80, "the word does not come"
             await clocks(dut)
             await settle()
-            if int(dut.ack_o.value):
-                break
-        else:
-            raise AssertionError("the word does not come")
         value = int(dut.dat_o.value)
         dut.stb_i.value = 0
         return value, waited
@@ -132,7 +131,13 @@ async def spike_inside_a_character_is_no_glitch(dut):
 @cocotb.parametrize(fmt=[F8E1, F8N1])
 async def break_is_a_low_above_a_character(dut, fmt):
     health = await begin(dut, fmt=fmt)
-    for width, count in ((1, 0), (fmt.length - 0.1, 0), (1.1 * fmt.length, 1), (3 * fmt.length, 2), (40 * fmt.length, 3)):
+    for width, count in (
+        (1, 0),
+        (fmt.length - 0.1, 0),
+        (1.1 * fmt.length, 1),
+        (3 * fmt.length, 2),
+        (40 * fmt.length, 3),
+    ):
         await health.low(width)
         await health.bits(2 * fmt.length)
         assert await health.words() == [0, count] + [0] * 6, f"{width} bits"
@@ -253,9 +258,9 @@ async def bit_time_is_that_of_the_last_good_frame(dut):
 async def bit_time_is_that_of_the_shortest_distance(dut):
     """One character that follows without a gap is enough."""
     health = await begin(dut)
-    await health.frame(gapped({place: 0.7 for place in range(1, len(REQUEST)) if place != 4}))
+    await health.frame(gapped({1: 0.7, 2: 0.7, 3: 0.7, 5: 0.7, 6: 0.7, 7: 0.7}))
     assert abs(await health.word(BIT_TIME) - 1000) <= 2
-    await health.frame(gapped({place: 0.25 for place in range(1, len(REQUEST))}))
+    await health.frame(gapped(dict.fromkeys(range(1, len(REQUEST)), 0.25)))
     assert abs(await health.word(BIT_TIME) - 1250) <= 3, "a gap behind every character"
 
 
@@ -329,13 +334,15 @@ async def glitch_in_a_gap_does_not_change_what_is_measured(dut):
 
 
 @cocotb.test()
-async def read_port_answers_within_four_clocks(dut):
+async def read_port_answers(dut):
     health = await begin(dut)
     waits = []
     for n in range(40):
         waits.append((await health.read(n % 8))[1])
         await clocks(dut, n % 3)
-    assert max(waits) <= 4, f"{waits}"
+    assert max(waits) == 2 and min(waits) == 1, f"{waits}"
+    await strobe(dut, clear=1)
+    assert max([(await health.read(n % 8))[1] for n in range(40)]) <= 34
     dut.stb_i.value = 0
     await clocks(dut, 2)
     for _ in range(10):
