@@ -220,7 +220,8 @@ module modbus_line_health #(
 
   (* anyconst *) reg [2:0] f_word;               // any counter
   always @* assume (f_word < 3'd6);
-  wire [7:0] f_happens = {2'b00, happens};
+  wire [7:0] f_happens = {2'b00, happens}, f_waits = {2'b00, happened_q};
+  wire [15:0] f_counted = {10'd0, count_q};
   reg       f_new = 1'b0, f_old = 1'b0;          // it has happened in this round, in the last one
   wire      f_turn = second & ({1'b0, f_word} == place);       // its place in the round
   wire      f_counts = f_turn & count_q[0] & ~clear_q;
@@ -236,6 +237,9 @@ module modbus_line_health #(
   always @(posedge clk_i) if (f_past) begin
     // Each event counts, once, in the round behind it; a counter only goes up by one, and never over.
     if (f_turn) assert (count_q[0] == f_old);
+    assert (f_waits[f_word] == f_new && good_q == f_good_new && keep_q == f_good);
+    assert ((count_q >> (place < 4'd6 ? 4'd6 - place : 4'd0)) == 6'd0);
+    if (place <= {1'b0, f_word}) assert (f_counted[{1'b0, f_word} - place] == f_old);
     if (write && word_of_place == {1'b0, f_word}) begin
       assert (clear_q || f_counts);
       assert (clear_q ? new_word == 16'd0 : new_word == word + 16'd1 && word != 16'hFFFF);
@@ -248,7 +252,8 @@ module modbus_line_health #(
     if (second) assert ($past(word_of_place) == word_of_place && !$past(write));
     if (ack_o) assert ($past(second && !write && stb_i) && $stable(adr_i));
     assert (ack_o == $past(second && stb_i && !write));
-    // Time goes on.
+    // Time goes on, and what has passed half a bit is no glitch.
+    assert (half_q || time_q < 64);
     if (!$past(begins | rst_i)) assert (time_q >= $past(time_q));
     assert (!(glitch && is_break));
     cover (f_counts && write);
