@@ -23,7 +23,7 @@ module modbus_example_auto #(
   parameter integer MIN_BAUD = 1200,             // the slowest rate that can be found
   parameter integer RUN_BITS = 8,                // 2^RUN_BITS words for the runs of a frame
   parameter integer SNAP     = 1,                // 1: a rate within 2 % of a standard one is taken for that
-  parameter integer BAD_FRAMES  = 1,                // bad frames in a row that end the lock, 1..255
+  parameter integer BAD_FRAMES = 1,              // bad frames in a row that end the lock, 1..255
 `include "modbus_tables.vh"
   ,
 `include "modbus_table_widths.vh"
@@ -38,6 +38,7 @@ module modbus_example_auto #(
   output wire        txd_o,                      // idle 1
   output wire        de_o,                       // driver enable, active high
 
+  output wire [COIL_WIDTH-1:0]    coils_o,
   output wire [HOLDING_WIDTH-1:0] holdings_o,
   output wire [15:0] bit_time_o,
   output wire [1:0]  format_o,
@@ -59,9 +60,10 @@ module modbus_example_auto #(
 `include "modbus_table_codes.vh"
 
   wire rxd, idle;
+  wire [INPUT_WIDTH-1:0] found = {15'd0, locked_o, 14'd0, format_o, bit_time_o};
 
   modbus_auto_line #(
-    .CLK_HZ(CLK_HZ), .MIN_BAUD(MIN_BAUD),   .RUN_BITS(RUN_BITS), .BAD_FRAMES(BAD_FRAMES), .GLITCH_FILTER(GLITCH_FILTER)
+    .CLK_HZ(CLK_HZ), .MIN_BAUD(MIN_BAUD), .RUN_BITS(RUN_BITS), .BAD_FRAMES(BAD_FRAMES), .GLITCH_FILTER(GLITCH_FILTER)
   ) u_auto_line (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .rxd_o(rxd), .de_i(de_o), .idle_i(idle),
     .frame_stb_i(events_o[`MB_EVENT_FRAME]), .bit_time_o(bit_time_o), .format_o(format_o),
@@ -84,8 +86,8 @@ module modbus_example_auto #(
   modbus_bank_io #(
 `include "modbus_tables_inst.vh"
   ) u_bank (
-    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .coils_o(), .discretes_i({DISCRETE_WIDTH{1'b0}}),
-    .inputs_i({15'd0, locked_o, 14'd0, format_o, bit_time_o}), .holdings_o(holdings_o),
+    .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .coils_o(coils_o), .discretes_i({DISCRETE_WIDTH{1'b0}}),
+    .inputs_i(found), .holdings_o(holdings_o),
 `include "modbus_bank_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY

@@ -6,8 +6,8 @@
 // Knows characters (start, data, parity, stop) and silence, and nothing of Modbus: what a frame is, whose
 // it is and what to answer is decided by the RTL alone.
 //
-//   client <-> pseudo-terminal <-> queue -> Wave        -> rxd_i  \  slaves: modbus_live,
-//              or serial port  <-  bytes <- LineMonitor <- txd_o, de_o /  clocked here
+//   client <-> pseudo-terminal <-> Clients -> queue -> Wave        -> rxd_i  \  slaves: modbus_live,
+//              or serial port  <----  bytes <-  LineMonitor  <- txd_o, de_o /  clocked here
 //   control server <-> commands, events
 //
 // Simulated time follows the wall clock while anything moves on the line, and stands still, with the
@@ -19,14 +19,15 @@
 #include <sched.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
+#include <sys/syscall.h>
 
 #include "device.h"
 
 namespace {
 
-constexpr double SLICE_S = 0.5e-3;        // how often a moving line is brought up to the wall clock
 constexpr double WITHOUT_PRIORITY_S = 1;  // a host that was too slow for the simulation has its way so long
 constexpr double SAY_AGAIN_S = 60;
+constexpr uint64_t TURN_NS = 100'000;      // the shortest that Linux knows
 
 std::vector<unsigned> numbers(const char *text) {
   std::vector<unsigned> found;
@@ -79,16 +80,37 @@ int open_signals() {
   return signalfd(-1, &set, SFD_CLOEXEC);
 }
 
+// Asks for a way of getting the processor; true if it is allowed.  Without real-time priority a thread takes short
+// turns, which Linux 6.12 and later then gives it sooner.
+bool ask(int policy, unsigned priority = 0) {
+  struct {  // sched_attr of the kernel
+    uint32_t size, policy;
+    uint64_t flags;
+    int32_t nice;
+    uint32_t priority;
+    uint64_t runtime, deadline, period;
+  } wanted{sizeof wanted, uint32_t(policy), 0, 0, priority, policy == SCHED_OTHER ? TURN_NS : 0, 0, 0};
+  return syscall(SYS_sched_setattr, 0, &wanted, 0) == 0;
+}
+
+// The reader of clients goes before all simulations, and keeps its priority.
+void prepare_reader() {
+  if (!ask(SCHED_RR, 2)) ask(SCHED_OTHER);
+}
+
 // Real-time priority, where it is allowed, keeps answers in time on a busy machine (measured with three
 // endless loops on two cores: 1 ms late instead of 20).  A host too slow for the simulation gets it back for a while.
 class Priority {
  public:
-  Priority() { ask(SCHED_RR); }
+  Priority() {
+    take();
+    if (!has_it_) ask(SCHED_OTHER);
+  }
 
   // The simulation has fallen behind by so much.
   void fallen_behind(double now, double lag_s, Device &device) {
     const bool had_it = has_it_;
-    if (has_it_) ask(SCHED_OTHER);
+    if (has_it_) give_up();
     again_at_ = now + WITHOUT_PRIORITY_S;
     if (now < say_at_) return;
     say_at_ = now + SAY_AGAIN_S;
@@ -101,51 +123,34 @@ class Priority {
   }
 
   void look(double now) {
-    if (!has_it_ && allowed_ && now > again_at_) ask(SCHED_RR);
+    if (!has_it_ && allowed_ && now > again_at_) take();
   }
 
  private:
-  void ask(int policy) {
-    const sched_param lowest{policy == SCHED_RR ? 1 : 0};
-    const bool done = sched_setscheduler(0, policy, &lowest) == 0;
-    if (policy == SCHED_RR) allowed_ = has_it_ = done;
-    else has_it_ = has_it_ && !done;
-  }
+  void take() { allowed_ = has_it_ = ask(SCHED_RR, 1); }
+  void give_up() { has_it_ = !ask(SCHED_OTHER); }
 
   bool has_it_ = false, allowed_ = false;
   double again_at_ = 0, say_at_ = 0;
 };
 
-// Bytes are taken before a client is seen to come, so they are of the one before.
-void look_at_clients(Device &device, Endpoint &endpoint) {
-  device.take_bytes();
-  Changes changes = endpoint.changes();
-  if (changes.left && !changes.returned) {  // what he wrote last
-    device.take_bytes();
-    const Changes more = endpoint.changes();
-    changes.opened |= more.opened;
-    changes.clients = more.clients;
-    changes.returned = more.clients > 0;
-  }
-  if (changes.left) device.client_gone(changes.returned);
-  if (changes.left || changes.opened) device.clients_changed(changes.clients, changes.opened);
-}
-
-void serve(Device &device, Endpoint &endpoint, Control &control, Priority &priority, int signals) {
-  enum { SIGNALS, COMINGS, BYTES, CONTROL };
-  pollfd wait[] = {{signals, POLLIN, 0}, {endpoint.comings(), POLLIN, 0}, {-1, POLLIN, 0}, {-1, 0, 0}};
+// Until a signal ends it, or the port has gone: the exit status.
+int serve(Device &device, Clients &clients, Control &control, Priority &priority, int signals) {
+  enum { SIGNALS, NEWS, CONTROL };
+  pollfd wait[] = {{signals, POLLIN, 0}, {clients.fd(), POLLIN, 0}, {-1, 0, 0}};
   bool controlled = control.open();
   for (;;) {
     const bool asleep = device.idle();
-    // Asleep until something happens; else a slice at a time, and not woken by a flood that finds no room.
-    wait[BYTES].fd = device.full() ? -1 : endpoint.bytes();
+    // Asleep until something happens; else a slice at a time.
     wait[CONTROL].fd = control.fd();
     wait[CONTROL].events = short((control.wants_commands() ? POLLIN : 0) | (control.wants_to_write() ? POLLOUT : 0));
-    timespec slice{0, device.free_time() ? 0 : long(SLICE_S * 1e9)};
-    ppoll(wait, 4, asleep ? nullptr : &slice, nullptr);
-    if (wait[SIGNALS].revents) return;
+    timespec slice{0, device.pressed() ? 0 : long(SLICE_S * 1e9)};
+    ppoll(wait, 3, asleep ? nullptr : &slice, nullptr);
+    if (wait[SIGNALS].revents) return EXIT_SUCCESS;
+    if (clients.lost()) return EXIT_FAILURE;
 
-    look_at_clients(device, endpoint);  // before time moves on: a late wake-up must not put a pause into a burst
+    // Before time moves on: a late wake-up must not put a pause into a burst.
+    for (const News &news : clients.news(device.waiting())) device.take(news);
     if (wait[CONTROL].fd >= 0 && wait[CONTROL].revents & ~POLLOUT)
       for (const auto &words : control.commands()) device.command(words);
     if (!device.idle()) {
@@ -172,16 +177,18 @@ int main(int argc, char **argv) {
   Terminal *terminal = nullptr;
   if (options.port.empty()) endpoint.reset(terminal = new Terminal(options.baud));
   else endpoint = std::make_unique<SerialPort>(options.port, options.baud, CharacterFormat(options.format));
-  Device device(options, *endpoint, control);
+  Clients clients(*endpoint);
+  Device device(options, clients, control);
 
   // symlink() neither replaces anything nor leaves a moment without a target.
   if (terminal && symlink(terminal->name().c_str(), options.link.c_str())) fail_errno("LINK=" + options.link);
+  clients.start(prepare_reader);
   printf("ready %s\n", terminal ? options.link.c_str() : options.port.c_str());
   fflush(stdout);
-  serve(device, *endpoint, control, priority, signals);
+  const int status = serve(device, clients, control, priority, signals);
 
   char target[64];
   const ssize_t n = terminal ? readlink(options.link.c_str(), target, sizeof target) : 0;
   if (n > 0 && terminal->name() == std::string(target, size_t(n))) unlink(options.link.c_str());
-  return 0;
+  return status;
 }

@@ -12,15 +12,14 @@
 
 #include <algorithm>
 #include <cinttypes>
-#include <ctime>
 #include <deque>
 #include <memory>
 #include <vector>
 
+#include "clients.h"
 #include "control.h"
 #include "faults.h"
 #include "slave.h"
-#include "terminal.h"
 #include "wire.h"
 
 constexpr double FLOOR_RATE = 19200;      // above, t1.5 and t3.5 are fixed: MODBUS over Serial Line V1.02 2.5.1.1
@@ -28,21 +27,14 @@ constexpr unsigned T15_FLOOR_US = 750, T35_FLOOR_US = 1750;
 constexpr double GIVE_UP_S = 50e-3;       // further behind than this, lost time is not caught up
 constexpr size_t LONGEST_FRAME = 256;
 constexpr size_t LONGEST_ASCII = 513;
-constexpr size_t QUEUE_LIMIT = 1026;      // a client that sends more than the line carries loses it
 constexpr unsigned ASCII = 8;             // of a format code, beside those of line.h
 constexpr size_t SENDS_LIMIT = 256;       // requests of the control server that wait
-constexpr int READS_AT_ONCE = 16;         // of 4 KB: what the kernel keeps for one terminal
 constexpr unsigned SETTLE_CLOCKS = 256;   // a core at rest may still clear its counters
 constexpr unsigned JUDGE_CLOCKS = 8;      // the core may say a little late what it thinks of a frame
 constexpr int FREE_CLOCKS = 500;          // that take no time, at most between two looks at clients: below half a millisecond
+constexpr int TIMED_CLOCKS = 5000;        // the same of those that a late simulation catches up
 constexpr double COLLECT_S = 3e-3;        // silence of a client that ends a frame which a fault wants whole
 constexpr size_t MOST_EDGES = 50000;      // of a frame, for the log
-
-inline double wall_s() {
-  timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return t.tv_sec + t.tv_nsec * 1e-9;
-}
 
 struct Options {
   std::string link, trace, port;
@@ -59,8 +51,8 @@ struct Options {
 
 class Device {
  public:
-  Device(const Options &options, Endpoint &endpoint, Control &control)
-      : options_(options), endpoint_(endpoint), control_(control), format_(options.format), bit_(options.bit_time),
+  Device(const Options &options, Clients &clients, Control &control)
+      : options_(options), clients_(clients), control_(control), format_(options.format), bit_(options.bit_time),
         clock_hz_(options.clock_hz()), wave_(bit_), other_talker_(bit_), reply_(bit_), reply_talker_(bit_),
         line_receiver_(format_, bit_), client_receiver_(format_, bit_) {
     character_ = double(bit_) * format_.length();
@@ -91,66 +83,49 @@ class Device {
     return queue_.empty() && sends_.empty() && !sending_ && jobs_.empty() && held_.empty() && !wave_.busy() &&
            !reply_.busy() && silence() >= hold_ + SETTLE_CLOCKS + t35_ && at_rest() && !receiving();
   }
-  bool full() const { return queue_.size() >= QUEUE_LIMIT; }
+  size_t waiting() const { return queue_.size(); }
 
-  // Takes what clients have sent. What exceeds the queue is dropped, so a flood can neither grow it nor stop us.
-  void take_bytes() {
-    const double now = wall_s(), clock_s = 1 / clock_hz_;
-    taken_ = 0;
-    std::vector<Character> characters;
-    for (int i = 0; i < READS_AT_ONCE && endpoint_.receive(characters); ++i) {}
-    for (const Character &character : characters) {
-      last_byte_s_ = now;
-      if (full()) break;
+  // What a client has sent, or a change of clients.
+  void take(const News &news) {
+    if (news.left) client_gone(news.client);
+    if (news.opened) clients_changed("open", std::max(1, news.clients));  // and gone already, perhaps
+    if (news.left && !(news.opened && news.clients)) clients_changed("closed", news.clients);
+    const double clock_s = 1 / clock_hz_;
+    for (const Character &character : news.characters) {
+      last_byte_s_ = news.at;
       // A real line would have been silent for t1.5 before this byte: a frame of its own, even if the simulation lags.
-      const bool first = now > carried_s_ + double(t15_) * clock_s;
-      carried_s_ = std::max(carried_s_, now) + character_ * clock_s;
-      queue_.push_back({character.data, character.bad, first, client_});
-      ++taken_;
+      const bool first = news.at > carried_s_ + double(t15_) * clock_s;
+      carried_s_ = std::max(carried_s_, news.at) + character_ * clock_s;
+      queue_.push_back({character.data, character.bad, first, news.client, news.at});
     }
   }
 
-  // The last client has gone.  A frame it has sent is still played (a broadcast, say), more than a frame is rubbish;
-  // answers to either are for nobody.  If the next one has come already, what was taken last is his.
-  void client_gone(bool returned) {
-    endpoint_.drop_unread();
-    held_.clear();
-    ++client_;
-    if (returned)
-      for (size_t i = 0; i < taken_ && i < queue_.size(); ++i) {
-        Byte &byte = queue_[queue_.size() - 1 - i];
-        if (byte.owner + 1 == client_) byte.owner = client_;
-      }
-    endpoint_.reset(!returned);
-    const auto old = [this](const Byte &byte) { return byte.owner < client_; };  // not the server's
-    if (size_t(std::count_if(queue_.begin(), queue_.end(), old)) > (ascii() ? LONGEST_ASCII : LONGEST_FRAME))
-      queue_.erase(std::remove_if(queue_.begin(), queue_.end(), old), queue_.end());
-    if (queue_.empty()) collecting_ = false;
-  }
-
-  void clients_changed(int clients, bool opened) {
-    clients_ = clients;
-    control_.event(Json().add("event", "client").add("state", opened ? "open" : "closed").add("clients", clients)
-                       .add("time", unix_s()));
-  }
-
-  // Time passes up to `now` of the wall clock; true if the line has fallen behind too far to catch up.
+  // Time passes up to `now` of the wall clock, or not quite, see pressed(); true if the line has fallen behind too far
+  // to catch up.  A line that was asleep goes on at the moment at which its first byte came.
   bool run(double now, bool asleep) {
+    if (asleep) {
+      const double came = queue_.empty() ? now : std::max(queue_.front().at, now - GIVE_UP_S / 2);
+      anchor(std::min(now, std::max(came, line_s())));
+    }
     uint64_t due = anchor_cycle_ + uint64_t((now - anchor_s_) * clock_hz_);
-    const bool late = !asleep && due > cycle_ - free_ + uint64_t(GIVE_UP_S * clock_hz_);
-    if (asleep || late) {
+    const bool late = due > cycle_ - free_ + uint64_t(GIVE_UP_S * clock_hz_);
+    if (late) {
       anchor(now);
       due = anchor_cycle_;
     }
     late_ += late;
     if (collecting_ && (of_server(queue_.front().owner) || wall_s() > last_byte_s_ + collect_s())) play_faulty();
-    int budget = FREE_CLOCKS;
+    int free_budget = FREE_CLOCKS, budget = TIMED_CLOCKS;
+    behind_ = false;
     while (true) {
       if (!rested_ && silence() >= hold_ + JUDGE_CLOCKS && at_rest() && !wave_.busy() && !replying()) come_to_rest();
       if (free_time()) {
-        if (budget-- == 0) break;
+        if (free_budget-- == 0) break;
         ++free_;
       } else if (cycle_ - free_ >= due) {
+        break;
+      } else if (budget-- == 0) {
+        behind_ = true;
         break;
       }
       clock();
@@ -159,7 +134,10 @@ class Device {
     return late;
   }
 
-  // What can be done now takes no time: do not sleep.
+  // Something is to be done at once: do not sleep.
+  bool pressed() const { return behind_ || free_time(); }
+
+  // What can be done now takes no time.
   bool free_time() const {
     if (receiving()) return false;
     if (faulty_answer_ && driven_) return true;
@@ -169,7 +147,7 @@ class Device {
   }
 
   uint64_t late() const { return late_; }
-  double lag_s(double now) const { return now - anchor_s_ - double(cycle_ - free_ - anchor_cycle_) / clock_hz_; }
+  double lag_s(double now) const { return now - line_s(); }
 
   void command(const std::vector<std::string> &words) {
     const std::string id = words[0];
@@ -192,6 +170,7 @@ class Device {
     uint8_t data;
     bool bad, first;  // with wrong parity; of a burst
     Owner owner;
+    double at;        // when it came
   };
   struct Job {
     std::string id;
@@ -216,7 +195,25 @@ class Device {
     bool open = false;
   };
 
+  // The last client has gone.  A frame it has sent is still played (a broadcast, say), more than a frame is rubbish;
+  // answers to either are for nobody.
+  void client_gone(Owner next) {
+    held_.clear();
+    client_ = next;
+    const auto old = [this](const Byte &byte) { return byte.owner < client_; };  // not the server's
+    if (size_t(std::count_if(queue_.begin(), queue_.end(), old)) > (ascii() ? LONGEST_ASCII : LONGEST_FRAME))
+      queue_.erase(std::remove_if(queue_.begin(), queue_.end(), old), queue_.end());
+    if (queue_.empty()) collecting_ = false;
+  }
+
+  void clients_changed(const char *state, int clients) {
+    open_ = clients;
+    control_.event(Json().add("event", "client").add("state", state).add("clients", clients).add("time", unix_s()));
+  }
+
   uint64_t silence() const { return cycle_ - last_activity_; }
+  // The wall clock's time at which this clock of the line is.
+  double line_s() const { return anchor_s_ + double(cycle_ - free_ - anchor_cycle_) / clock_hz_; }
   double collect_s() const { return std::max(COLLECT_S, 2 * character_ / clock_hz_); }
 
   bool at_rest() const {
@@ -282,8 +279,8 @@ class Device {
     if (trace_) trace_pins(rxd);
   }
 
-  // A burst begins after t3.5 of silence, since masters on a pseudo-terminal do not wait for it themselves; within a
-  // burst there is no pause. It waits until the core has dealt with the last one.
+  // A burst begins after t3.5 of silence, since masters on a pseudo-terminal do not wait for it themselves, and when the
+  // core has dealt with the last one.  No byte goes before it came, so a late simulation keeps the pauses of a burst.
   void next_byte() {
     if (queue_.empty() && !sends_.empty() && !sending_) load_send();
     if (queue_.empty() || collecting_) return;
@@ -294,6 +291,7 @@ class Device {
       begin_request(byte.owner);
       if (collecting_) return;
     }
+    if (byte.at > line_s()) return;
     std::vector<Piece> pieces;
     Wrong wrong;
     wrong.parity = byte.bad;
@@ -448,7 +446,7 @@ class Device {
   }
 
   void deliver_held() {
-    if (!held_.empty()) endpoint_.send(held_);
+    if (!held_.empty()) clients_.send(held_, client_);
     held_.clear();
   }
 
@@ -715,7 +713,7 @@ class Device {
 
   std::string stats(const std::string &id) {
     control_.reply(Json().raw("id", id).add("requests", requests_).add("answers", answers_).add("silent", silent_)
-                       .add("dropped", control_.dropped()).add("late", late_).add("clients", clients_)
+                       .add("dropped", control_.dropped()).add("late", late_).add("clients", open_)
                        .add("cycle", cycle_).add("uptime", wall_s() - begun_s_));
     return "";
   }
@@ -740,7 +738,7 @@ class Device {
     ++send_number_;
     bool first = true;
     for (const uint8_t data : sending_->bytes) {
-      queue_.push_back({data, false, first, SERVER | send_number_});
+      queue_.push_back({data, false, first, SERVER | send_number_, 0});
       first = false;
     }
   }
@@ -902,7 +900,7 @@ class Device {
   static constexpr size_t MOST_FAULTS = 100;
 
   const Options options_;
-  Endpoint &endpoint_;
+  Clients &clients_;
   Control &control_;
   CharacterFormat format_;
   double bit_, clock_hz_, character_ = 0;  // clocks of a bit, a second, a character
@@ -915,18 +913,18 @@ class Device {
   uint64_t cycle_ = 0, free_ = 0;  // free: those that took no time
   uint64_t last_activity_ = 0, t15_ = 0, t35_ = 0, hold_ = 0;
   bool driven_ = false, txd_ = true, inside_burst_ = false, rested_ = false, judged_ = false, answered_ = true;
+  bool behind_ = false;  // the last run did not reach the wall clock
   double anchor_s_ = 0;
   uint64_t anchor_cycle_ = 0;
   const double begun_s_ = wall_s();
 
   // Clients and their bytes
   std::deque<Byte> queue_;
-  size_t taken_ = 0;           // of the queue, last
   Owner client_ = 1, playing_ = 0;  // who is connected; who sent what was last on the line
   double carried_s_ = 0, last_byte_s_ = 0;  // when a real line would have carried all bytes
   std::vector<uint8_t> held_;
   uint64_t held_since_ = 0, held_last_ = 0, held_limit_ = 0;
-  int clients_ = 0;
+  int open_ = 0;  // clients
 
   // The control server
   std::deque<Job> jobs_;

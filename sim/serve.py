@@ -33,7 +33,7 @@ from server import variables  # noqa: E402
 
 # The model runs at a clock of its own, as slow as the rate allows: each clock costs time of the processor.
 BIT_CLOCKS, FAST_BIT_CLOCKS = 16, 8  # clocks per bit; fewer for rates above FAST
-FAST = 115_200
+FAST = 57_600
 BAUDS = range(29, 230_401)
 # Up to this rate t1.5 and t3.5 are counted in bits, so one model does for all: the clock it is told does not matter.
 SLOW = 19_200

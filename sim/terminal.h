@@ -49,16 +49,18 @@ class Endpoint {
  public:
   virtual ~Endpoint() = default;
   virtual int bytes() const = 0;             // descriptor that is readable when bytes have come
-  virtual int comings() const { return -1; } // descriptor that is readable when a client comes or goes
+  virtual int comings() const { return -1; } // descriptor that is readable when a client comes, goes or writes
   virtual Changes changes() { return {}; }
   virtual bool receive(std::vector<Character> &characters) = 0;  // false: nothing is there
   virtual void send(const std::vector<uint8_t> &data) = 0;       // what is not fetched is lost, as on a line
   virtual void drop_unread() {}              // answers that the last client has left
   virtual void reset(bool) {}                // the state a new client finds; true: nobody has opened it yet
+  virtual bool lost() const { return false; }  // it will never have a byte again
 };
 
 // The pseudo-terminal. Its slave side stays open here, else reading fails whenever the last client leaves.
-// Comings and goings of clients are seen through inotify.
+// Comings and goings of clients are seen through inotify; a write too, before the kernel has brought its bytes, which a
+// read then waits for.
 class Terminal : public Endpoint {
  public:
   explicit Terminal(unsigned baud) : baud_(baud) {
@@ -69,7 +71,7 @@ class Terminal : public Endpoint {
     if (slave_ < 0) fail_errno(name_);
     make_raw();
     inotify_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
-    if (inotify_ < 0 || inotify_add_watch(inotify_, name_.c_str(), IN_OPEN | IN_CLOSE) < 0) fail_errno(name_);
+    if (inotify_ < 0 || inotify_add_watch(inotify_, name_.c_str(), IN_OPEN | IN_CLOSE | IN_MODIFY) < 0) fail_errno(name_);
   }
 
   const std::string &name() const { return name_; }
@@ -186,8 +188,8 @@ class SerialPort : public Endpoint {
     uint8_t data[4096];
     const ssize_t n = read(fd_, data, sizeof data);
     if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) {
-      fprintf(stderr, "serve: PORT=%s: the port has gone\n", path_.c_str());
-      exit(EXIT_FAILURE);
+      if (!lost_) fprintf(stderr, "serve: PORT=%s: the port has gone\n", path_.c_str());
+      lost_ = true;
     }
     for (ssize_t i = 0; i < n; ++i) take(data[i], characters);
     return n > 0;
@@ -213,6 +215,9 @@ class SerialPort : public Endpoint {
     }
   }
 
+  bool lost() const override { return lost_; }
+
   std::string path_;
+  bool lost_ = false;
   int fd_ = -1, marks_ = 0;  // bytes of a mark seen
 };

@@ -19,7 +19,7 @@ import synth_flow  # noqa: E402
 import synth_parts  # noqa: E402
 import synth_report as report  # noqa: E402
 from synth_devices import DEVICES, FAMILIES  # noqa: E402
-from synth_profiles import ADDED_OPTIONS, BASES, OPTIONS, PROFILES, SHOWN  # noqa: E402
+from synth_profiles import ADDED, BASES, OPTIONS, PROFILES, SHOWN  # noqa: E402
 
 KEYS = [(profile, bank) for profile, banks in PROFILES.items() for bank in banks]
 FIELDS = {"profile": str, "bank": str, "device": str, "lc": int, "lut": int, "ff": int, "carry": int, "ram": int}
@@ -57,7 +57,7 @@ def test_record_has_every_figure(record):
         whole = report.row_of(record["results"], *name.split("/"), report.CHECKED)
         for field in ("lc", "ff", "ram"):
             assert sum(part[field] for part in its.values()) == whole[field], f"{field} of {name}"
-    assert set(record["options"]) == {*BASES, *OPTIONS, *ADDED_OPTIONS}
+    assert set(record["options"]) == {*BASES, *OPTIONS, *ADDED}
     assert record["tools"]["yosys"] and record["tools"]["nextpnr-ice40"] and record["tools"]["nextpnr-ecp5"]
 
 

@@ -107,11 +107,19 @@ OPTIONS: dict[str, tuple[tuple[int, ...], dict[str, str]]] = {
     "18: FIFO": ((0x18,), {}),
 }
 USER_OPTION = "user functions 65 to 72"
-READ_BACK_OPTION = "I/O bank: holding registers read back from a RAM"
-ADDED_OPTIONS = (USER_OPTION, READ_BACK_OPTION)  # `full` does not have them
+# What `full` does not have: option -> parameters that add it
+ADDED: dict[str, dict[str, str]] = {
+    USER_OPTION: {"USER_CODES": "128'h000000000000000001FE0000000000000000"},
+    "`ASCII_MODE` = 1": {"ASCII_MODE": "1"},
+    "`BIT_FRACTIONS` = 1": {"BIT_FRACTIONS": "1"},
+    "`GLITCH_FILTER` = 6": {"GLITCH_FILTER": "6"},
+    "`UNIT_SET` with two further addresses": {"UNIT_SET": "248'hC0000"},
+    "`BITS_PER_BEAT` = 16": {"BITS_PER_BEAT": "16"},
+    "`CHECK_WRITES` = 1": {"CHECK_WRITES": "1"},
+    "I/O bank: holding registers read back from a RAM": {"READ_BACK_RAM": "1"},
+}
 BASES = {"": "ram", "I/O bank": "io"}  # what options are compared with: `full` with this bank
 ALL_CODES = 0x0000080001F399FE
-USER_CODES = "128'h000000000000000001FE0000000000000000"  # 65 to 72
 
 
 def base_of(option: str) -> str:
@@ -120,14 +128,14 @@ def base_of(option: str) -> str:
 
 
 def option_designs() -> dict[str, tuple[str, dict[str, str], dict[str, int]]]:
-    """{option: (bank, parameters, ties)} of `full` without it, of ADDED_OPTIONS with it; BASES are `full` itself."""
+    """{option: (bank, parameters, ties)} of `full` without it, of ADDED with it; BASES are `full` itself."""
     designs = {name: (bank, *PROFILES["full"][bank]) for name, bank in BASES.items()}
     bank, parameters, ties = designs[""]
     for option, (codes, others) in OPTIONS.items():
         mask = ALL_CODES & ~sum(1 << code for code in codes)
         designs[option] = (bank, {**parameters, "FUNCTION_CODES": f"128'h{mask:X}", **others}, ties)
     without_user = {port: value for port, value in ties.items() if port not in USER_OFF}
-    designs[USER_OPTION] = (bank, {**parameters, "USER_CODES": USER_CODES}, without_user)
-    bank, parameters, ties = designs[base_of(READ_BACK_OPTION)]
-    designs[READ_BACK_OPTION] = (bank, {**parameters, "READ_BACK_RAM": "1"}, ties)
+    for option, others in ADDED.items():
+        bank, parameters, ties = designs[base_of(option)]
+        designs[option] = (bank, {**parameters, **others}, without_user if option == USER_OPTION else ties)
     return designs

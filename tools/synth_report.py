@@ -14,7 +14,7 @@ import json
 
 from synth_devices import DEVICES, FAMILIES
 from synth_peers import DEVICES_OF_PEERS, PEERS
-from synth_profiles import ADDED_OPTIONS, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, base_of
+from synth_profiles import ADDED, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, base_of
 
 from common import ROOT, source_of
 
@@ -130,9 +130,9 @@ def paths_table(results: list[dict], tools: dict) -> str:
 def options_table(options: dict[str, dict], tools: dict) -> str:
     """What each option costs, as a markdown table."""
     lines = ["| Option | Logic cells with / without it | Costs | RAM blocks |", "|---|---:|---:|---:|"]
-    for option in [*OPTIONS, *ADDED_OPTIONS]:
+    for option in [*OPTIONS, *ADDED]:
         row, whole = options[option], options[base_of(option)]
-        more, less = (row, whole) if option in ADDED_OPTIONS else (whole, row)
+        more, less = (row, whole) if option in ADDED else (whole, row)
         cells, blocks = more["lc"] - less["lc"], more["ram"] - less["ram"]
         lines.append(f"| {option} | {more['lc']} / {less['lc']} | {cells} | {blocks} |")
     return "\n".join([*lines, "", f"iCE40 HX8K, {tools_line({**tools, 'nextpnr-ecp5': None})}, seed 1."])

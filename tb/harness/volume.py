@@ -29,6 +29,7 @@ USUAL = {
     "live devices": 4,
     "seconds of live devices": 3,
     "soak requests": 900,
+    "answers that are timed": 50,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
@@ -55,6 +56,7 @@ FULL = {
     "live devices": 32,
     "seconds of live devices": 30,
     "soak requests": 100_000,
+    "answers that are timed": 1_000,
 }
 
 

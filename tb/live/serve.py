@@ -124,7 +124,7 @@ class Port:
             out += os.read(self.file, 1024)
         return out
 
-    def ask(self, frame, expected, seconds=2.0):
+    def ask(self, frame, expected, seconds=5.0):
         """Send `frame`; the answer, as long as `expected` if it comes in time."""
         self.write(frame)
         return self.read(seconds, len(expected))

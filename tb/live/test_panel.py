@@ -73,7 +73,7 @@ def panel(chromium, device):
 
 def ask(device, pdu, count):
     """A request by a master at the terminal."""
-    with serial.Serial(str(device.link), BAUD, timeout=1) as port:
+    with serial.Serial(str(device.link), BAUD, timeout=5) as port:
         port.write(frames.adu(ADDRESS, pdu))
         return port.read(count)
 

@@ -24,6 +24,7 @@ from live_client import Live, LiveError
 from protocol import frames
 
 from .serve import ROOT, free_port
+from .timing import Watch
 from .web import Device
 
 FULL = os.environ.get("FULL") == "1"
@@ -56,7 +57,7 @@ def device(tmp_path_factory):
 @contextlib.contextmanager
 def master(device):
     """The device's terminal."""
-    with serial.Serial(str(device.link), BAUD, timeout=1) as port:
+    with serial.Serial(str(device.link), BAUD, timeout=5) as port:
         port.reset_input_buffer()
         yield port
 
@@ -404,7 +405,7 @@ def test_without_web_nothing_is_started(tmp_path):
 def test_log_without_web_needs_no_package(tmp_path):
     """LOG alone: the standard library does, and nothing listens."""
     with Device(tmp_path, web=False, LOG=1, BAUD=BAUD) as made:
-        port = serial.Serial(str(made.link), BAUD, timeout=1)
+        port = serial.Serial(str(made.link), BAUD, timeout=5)
         assert len(ask(port, frames.read(3, 0, 1), 7)) == 7
         port.close()
         made.until(lambda: "read holding register 0" in made.said(), "no line in the log")
@@ -462,7 +463,7 @@ def test_ten_panels_script_and_log_cost_no_time_and_no_memory(device, record_pro
     """
     count = 50_000 if FULL else 500
     last = max((f["n"] for f in device.client.frames()), default=0)
-    with master(device) as port:
+    with master(device) as port, Watch() as watch:
         alone = sorted(statistics.median(late_ms(port, ROUND)) for _ in range(4))
         with panels(device) as got:
             late_ms(port, 1200 if FULL else 50)  # the frames that are kept fill up
@@ -480,8 +481,9 @@ def test_ten_panels_script_and_log_cost_no_time_and_no_memory(device, record_pro
     )
     text += f"{alone[-1]:.2f}; the simulation lags {statistics.median(lags):.2f} ms; {2 * count} frames, "
     text += f"server {before[0]:.0f} to {after[0]:.0f} MB, bridge {before[1]:.1f} to {after[1]:.1f} MB"
+    text += f"; {watch}"
     record_property("figures", [text])
-    assert quiet < MOST_LATE_MS, text
+    assert quiet < watch.bound(MOST_LATE_MS, 1000), text
     assert len(got) == PANELS and min(got) > count, got
     assert after[0] - before[0] < 40 and after[1] - before[1] < 8, text
     assert status["dropped"] == 0, status

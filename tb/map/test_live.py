@@ -86,7 +86,9 @@ def read(port, device, point):
         at = point.addresses(item)
         frame = request(frames.read(READ_FUNCTION[point.table], at[0], len(at)), device.line.address)
         size = 1 if point.is_bit else 2 * len(at)
-        answer = port.ask(frame, bytes(5 + size), 0.6 if size > 0 else 2)
+        answer = port.ask(frame, bytes(5))
+        if not answer[1] & 0x80:
+            answer += port.read(5, 5 + size - len(answer))
         assert frames.check(answer), f"{point.name}: {answer.hex()}"
         if answer[1] & 0x80:
             return answer[2]
@@ -107,7 +109,9 @@ def write(port, device, point, raws):
         pdus = [frames.write_coil(point.at + n, word) for n, word in enumerate(words)]
     code = 0
     for pdu in pdus:
-        answer = port.ask(request(pdu, device.line.address), bytes(8), 0.6)
+        answer = port.ask(request(pdu, device.line.address), bytes(5))
+        if not answer[1] & 0x80:
+            answer += port.read(5, 8 - len(answer))
         assert frames.check(answer), f"{point.name}: {answer.hex()}"
         code = code or (answer[2] if answer[1] & 0x80 else 0)
     return code

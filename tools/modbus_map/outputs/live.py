@@ -12,6 +12,8 @@ from modbus_map.rtl_plan import FILES_SPACE, Plan
 
 # Of the live device's host port: the words of all inputs in a row; the same of all registers, to read
 INPUTS_SPACE, OUTPUTS_SPACE = 1, 6
+CORE_SPACE = 5  # counters and event log, with the items of modbus_host_map
+COUNTING_FUNCTIONS = {0x08, 0x0B, 0x0C}  # with one of them the core has counters
 HELD = {"wire": INPUTS_SPACE, "register": OUTPUTS_SPACE}
 WORD = 16
 ZERO, NOTHING = "1'b0", "16'd0"
@@ -161,7 +163,7 @@ def wrapper(device: Device) -> str:
         f"// {device.name}_live - {device.name} as the live device runs it.",
         "//",
         f"// Space {INPUTS_SPACE} of the host port: the words of all inputs in a row; space {OUTPUTS_SPACE}: those of all",
-        "// registers, to read; other spaces: the memory.",
+        f"// registers, to read; space {CORE_SPACE}: counters and event log, where there are some; other spaces: the memory.",
         "",
         "`default_nettype none",
         '`include "modbus_defs.vh"',
@@ -202,9 +204,21 @@ def wrapper(device: Device) -> str:
             "  always @(posedge clk_i)",
             f"    if (inputs_stb && host_we_q) inputs_q[{WORD} * item +: {WORD}] <= host_dat_q;",
         ]
-    if memory:
+    if COUNTING_FUNCTIONS & set(device.functions):
+        kept = "u_device.u_core.u_engine.gen_diagnostics.u_diagnostics"
         lines += [
-            f"  wire memory_stb = host_stb_q & (space != 3'd{INPUTS_SPACE}) & (space != 3'd{OUTPUTS_SPACE});",
+            "  // The device does not bring out the status port; so they are read where they are kept.",
+            f"  wire core_stb = stb & (space == 3'd{CORE_SPACE}) & (item < 128) & ~host_we_q;",
+            f"  wire [5:0]  entry = {kept}.newest_q + item[5:0];",
+            f"  wire [15:0] state = item[1] ? {{9'd0, {kept}.entries_q}} : item[0] ? {{15'd0, {kept}.listen_only_q}} : {kept}.register_q;",
+            f"  wire [15:0] core_read = ~item[6] & (item[5:2] == 4'd0) ? state : {kept}.memory[{{item[6], item[6] ? entry : item[5:0]}}];",
+        ]
+        acks.append("core_stb")
+        reads.append("core_stb ? core_read")
+    if memory:
+        others = " & ".join(f"(space != 3'd{one})" for one in (INPUTS_SPACE, CORE_SPACE, OUTPUTS_SPACE))
+        lines += [
+            f"  wire memory_stb = host_stb_q & {others};",
             "  wire memory_ack, memory_err;",
             "  wire [15:0] memory_read;",
             f"  wire none_stb = stb & ~({' | '.join([*acks, 'memory_stb'])});",
