@@ -6,3 +6,4 @@ examples/modbus_example_soc_wb.v
 examples/modbus_example_soc_axil.v
 examples/modbus_example_auto.v
 examples/modbus_example_units.v
+examples/modbus_example_health.v

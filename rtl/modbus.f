@@ -13,6 +13,8 @@ rtl/line/modbus_alive.v
 rtl/line/modbus_units.v
 rtl/line/modbus_line.v
 rtl/line/modbus_run_ram.v
+rtl/line/modbus_health_ram.v
+rtl/line/modbus_line_health.v
 rtl/line/modbus_auto_line.v
 rtl/engine/modbus_frame_ram.v
 rtl/engine/modbus_program.v

@@ -18,7 +18,7 @@ from common import ROOT
 
 PACKAGE = ROOT / "rtl/vhdl/modbus_pkg.vhd"
 COMPONENTS = ("modbus_rtu_slave_io", "modbus_rtu_slave", "modbus_rtu_core", "modbus_bank_ram", "modbus_bank_io",
-              "modbus_auto_line")
+              "modbus_auto_line", "modbus_line_health")
 # Inputs that must be connected; every other one has its value at rest, 0 unless it stands in AT_REST.
 CONNECTED = re.compile(r"clk_i|rxd_i|settings_i|grant_\w+|wb_(?!err)\w+|exception_i")
 AT_REST = {"host_state_i": "MB_HOST_AT_REST", "user_reply_i": "MB_NO_USER"}

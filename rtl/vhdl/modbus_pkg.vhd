@@ -514,6 +514,26 @@ package modbus_pkg is
     );
   end component modbus_auto_line;
 
+  component modbus_line_health is
+    generic (
+      MAX_BIT_TIME : natural := 65535
+    );
+    port (
+      clk_i       : in  std_logic;
+      rst_i       : in  std_logic := '0';
+      clear_i     : in  std_logic := '0';
+      rxd_i       : in  std_logic;
+      de_i        : in  std_logic := '0';
+      rx_active_i : in  std_logic := '0';
+      events_i    : in  std_logic_vector(7 downto 0) := (others => '0');
+      settings_i  : in  mb_settings_vector;
+      stb_i       : in  std_logic := '0';
+      adr_i       : in  std_logic_vector(2 downto 0) := (others => '0');
+      dat_o       : out std_logic_vector(15 downto 0);
+      ack_o       : out std_logic
+    );
+  end component modbus_line_health;
+
 end package modbus_pkg;
 
 library ieee;

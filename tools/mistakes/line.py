@@ -36,6 +36,35 @@ MISTAKES = [
     Mistake("auto_break_not_noticed", "modbus_auto_line.v", "locked_q & ~is_break & ~enough", "locked_q & ~enough"),
     Mistake("auto_always_snapped", "modbus_auto_line.v", "hit_q & ~less & snap_i;", "hit_q & ~less;"),
     Mistake("auto_rate_within_three_percent", "modbus_run_ram.v", "ticks * 102 + 50", "ticks * 103 + 50"),
+    Mistake(
+        "health_spike_in_a_character_is_a_glitch",
+        "modbus_line_health.v",
+        "line_q & ~line & (whole_q | spike_q)",
+        "line_q & ~line",
+    ),
+    Mistake(
+        "health_counter_wraps",
+        "modbus_line_health.v",
+        "(place[1] | ~not_less) : ~not_less;",
+        "(place[1] | ~not_less) : 1'b1;",
+    ),
+    Mistake("health_gap_of_the_last_frame_alone", "modbus_line_health.v", "(place[1] | ~not_less) :", "1'b1 :"),
+    Mistake(
+        "health_gap_of_a_bad_frame",
+        "modbus_line_health.v",
+        "first_q <= ~rx_active_i | clear_q |",
+        "first_q <= clear_q |",
+    ),
+    Mistake(
+        "health_every_character_is_eleven_bits", "modbus_line_health.v", "(ten_bits ? -8'sd100 :", "(1'b0 ? -8'sd100 :"
+    ),
+    Mistake("health_own_frames_heard", "modbus_line_health.v", "line      = rxd_sync | de_i;", "line      = rxd_sync;"),
+    Mistake(
+        "health_any_write_clears",
+        "modbus_example_health.v",
+        "(wb_adr == {`MB_SPACE_COILS, 16'd0}) & wb_write[0]",
+        "(wb_adr == {`MB_SPACE_COILS, 16'd0})",
+    ),
     Mistake("units_broadcast_is_a_unit", "modbus_units.v", "ours_i & legal)", "ours_i)"),
     Mistake(
         "units_told_too_late", "modbus_units.v", "assign unit_o = here_q ? byte_i : unit_q;", "assign unit_o = unit_q;"

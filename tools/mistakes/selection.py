@@ -19,6 +19,8 @@ MODULES_ALONE = {
     "ascii": ("modbus_ascii.v",),
     "bank_guard": ("modbus_bank_guard.v",),
     "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
+    "line_health": ("modbus_line_health.v", "modbus_health_ram.v"),
+    "example_health": ("modbus_example_health.v",),
     "example_units": ("modbus_units.v", "modbus_example_units.v"),
     "sequencer": ("modbus_sequencer.v",),
     "range": ("modbus_range.v",),

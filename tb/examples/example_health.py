@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright (c) 2026 the project contributors
+"""modbus_example_health at the pins: each fault on the line, and what a master then reads by function code 04."""
+
+import cocotb
+from cocotb.triggers import Timer, ValueChange
+from cocotb.utils import get_sim_time
+from harness.unit import CLOCK_PS, start
+from harness.wave import decode, encode, low
+from protocol import frames
+from protocol.defs import EX, F8E1
+
+BIT = 16  # clocks
+BIT_PS = BIT * CLOCK_PS
+ADDRESS = 17
+WORDS = 8
+NOTHING = frames.adu(5, frames.read(3, 0, 1))  # a good frame for another slave
+
+
+class Master:
+    """Sends frames and faults; collects what the slave sends."""
+
+    def __init__(self, dut):
+        self.dut, self.edges = dut, []
+        cocotb.start_soon(self._listen())
+
+    async def _listen(self):
+        while True:
+            await ValueChange(self.dut.txd_o)
+            self.edges.append((int(get_sim_time("ps")), int(self.dut.txd_o.value)))
+
+    async def bits(self, count):
+        await Timer(round(count * BIT_PS), "ps")
+
+    async def play(self, wave):
+        """A wave, and silence until an answer is over."""
+        now = 0
+        self.edges = []
+        for time, level in wave.edges:
+            if time > now:
+                await Timer(time - now, "ps")
+            now = time
+            self.dut.rxd_i.value = level
+        await Timer(wave.end - now + 1, "ps")
+        await self.bits(60)
+        while int(self.dut.de_o.value):
+            await self.bits(1)
+        await self.bits(45)
+
+    async def ask(self, line, **wave):
+        """The answer to a frame, b"" for silence."""
+        await self.play(encode(line, F8E1, BIT_PS, **wave))
+        return decode(self.edges, F8E1, BIT_PS).data if self.edges else b""
+
+    async def words(self, first=0, count=WORDS):
+        """What function code 04 reads."""
+        answer = await self.ask(frames.adu(ADDRESS, frames.read(4, first, count)))
+        assert answer[:3] == bytes([ADDRESS, 4, 2 * count]), frames.text(answer)
+        return frames.unpack_words(answer[3:-2])
+
+    async def clear(self):
+        request = frames.adu(ADDRESS, frames.write_coil(0, True))
+        assert await self.ask(request) == request
+
+
+async def begin(dut):
+    await start(dut, rxd=1)
+    master = Master(dut)
+    await master.bits(60)
+    return master
+
+
+def spoiled(error):
+    return [(byte, 0, error if place == 3 else None) for place, byte in enumerate(NOTHING)]
+
+
+def gapped(gap):
+    return [(byte, gap if place == 3 else 0, None) for place, byte in enumerate(NOTHING)]
+
+
+def close(words, gap, bit_time):
+    """Words 6 and 7: a bit time of 16 clocks is told in steps of 10, and a clock is 6 of them."""
+    return abs(words[6] - gap) <= 22 and abs(words[7] - bit_time) <= 22
+
+
+@cocotb.test()
+async def fault_on_the_line_is_in_its_register(dut):
+    master = await begin(dut)
+    expected = [0] * 6
+    faults = [
+        (0, low(0.25 * BIT_PS)),
+        (1, low(12 * BIT_PS)),
+        (2, encode(spoiled("parity"), F8E1, BIT_PS)),
+        (3, encode(spoiled("framing"), F8E1, BIT_PS)),
+        (4, encode(frames.bad_crc(NOTHING), F8E1, BIT_PS)),
+        (5, encode(gapped(1.8), F8E1, BIT_PS)),
+    ]
+    for word, wave in faults:
+        for _ in range(2):
+            await master.play(wave)
+            expected[word] += 1
+            if word == 1:
+                expected[3] += 1  # a break is a character of zeros without a stop bit
+            words = await master.words()
+            assert words[:6] == expected, f"{words} behind a fault of word {word}"
+            assert close(words, 0, 1000), f"{words}"
+    assert (await master.words(2, 3)) == expected[2:5]
+
+
+@cocotb.test()
+async def master_reads_its_own_rate_and_gaps(dut):
+    master = await begin(dut)
+    request = frames.adu(ADDRESS, frames.read(4, 6, 2))
+    for offset in (-0.02, 0.0, 0.02):
+        await master.clear()
+        answer = await master.ask(request, offset=offset)
+        words = [0] * 6 + frames.unpack_words(answer[3:-2])
+        assert close(words, max(0, 1000 * offset), 1000 * (1 + offset)), f"{words} at {offset}"
+    for gap in (0.4, 1.2, 0.7):
+        await master.ask(gapped(gap))
+    assert close(await master.words(), 1200, 1000)
+
+
+@cocotb.test()
+async def coil_0_clears(dut):
+    master = await begin(dut)
+    for _ in range(3):
+        await master.play(low(0.25 * BIT_PS))
+        await master.ask(frames.bad_crc(NOTHING))
+        words = await master.words()
+        assert words[0] == 1 and words[4] == 1
+        off = frames.adu(ADDRESS, frames.write_coil(0, False))
+        assert await master.ask(off) == off
+        assert (await master.words())[:6] == words[:6], "a 0 clears"
+        await master.clear()
+        assert (await master.words())[:6] == [0] * 6
+
+
+@cocotb.test()
+async def ranges_and_other_tables_are_those_of_the_bank(dut):
+    master = await begin(dut)
+    for first, count in ((0, 9), (8, 1), (7, 2)):
+        answer = await master.ask(frames.adu(ADDRESS, frames.read(4, first, count)))
+        assert answer == frames.adu(ADDRESS, bytes([0x84, EX.ADDRESS])), frames.text(answer)
+    await master.ask(frames.adu(ADDRESS, frames.write_registers(0, list(range(100, 108)))))
+    answer = await master.ask(frames.adu(ADDRESS, frames.read(3, 0, 8)))
+    assert frames.unpack_words(answer[3:-2]) == list(range(100, 108))
+    answer = await master.ask(frames.adu(ADDRESS, frames.read(1, 0, 1)))
+    assert answer == frames.adu(ADDRESS, bytes([1, 1, 0]))
