@@ -14,9 +14,8 @@
 `define MB_WORDS_DEFAULT 8
 
 module modbus_example_health #(
-  parameter integer ADDRESS = 1,                 // 1..247
-  parameter integer BAUD    = 19200,             // 8 to 65535 clocks a bit
-  parameter integer FORMAT  = 0,                 // MB_FORMAT_*
+`include "modbus_settings.vh"
+  ,
 `include "modbus_tables.vh"
   ,
 `include "modbus_table_widths.vh"
@@ -36,28 +35,17 @@ module modbus_example_health #(
   output wire        alive_o
 );
 
-  localparam integer BIT_TIME = (CLK_HZ + BAUD / 2) / ((BAUD < 1) ? 1 : BAUD);
-
   generate
-    if (ADDRESS < 1 || ADDRESS > 247) begin : gen_address
-      ERROR_modbus_ADDRESS_from_1_to_247 illegal_parameter ();
-    end
-    if (BAUD < 1 || BIT_TIME < 8 || BIT_TIME > 65535) begin : gen_baud
-      ERROR_modbus_BAUD_from_CLK_HZ_by_65535_to_CLK_HZ_by_8 illegal_parameter ();
-    end
-    if (FORMAT < 0 || FORMAT > 3) begin : gen_format
-      ERROR_modbus_FORMAT_from_0_to_3 illegal_parameter ();
-    end
     if (INPUT_COUNT != 8 || INPUT_BASE != 0 || COIL_COUNT < 1 || COIL_BASE != 0 || OVERLAY != 0) begin : gen_tables
       ERROR_modbus_example_health_has_coil_0_and_the_input_registers_0_to_7 illegal_parameter ();
     end
   endgenerate
 
+`include "modbus_settings_value.vh"
 `include "modbus_bank_wires.vh"
 `include "modbus_table_codes.vh"
 
-  wire [`MB_SETTINGS_WIDTH-1:0] settings = `MB_LINE_SETTINGS(ADDRESS[7:0], BIT_TIME[15:0], FORMAT[1:0]);
-  wire [`MB_EVENTS_WIDTH-1:0]   events;
+  wire [`MB_EVENTS_WIDTH-1:0] events;
   wire rx_active;
 
   // The user port, the status port and write_stb_o are left alone.
@@ -66,7 +54,7 @@ module modbus_example_health #(
     .FUNCTION_CODES(TABLE_CODES),
 `include "modbus_config_inst.vh"
   ) u_core (
-    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
+    .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(SETTINGS),
     .host_state_i(`MB_HOST_AT_REST), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
     .user_reply_i(`MB_NO_USER), .status_stb_i(1'b0), .status_adr_i(7'd0), .status_dat_o(), .status_ack_o(),
     .write_stb_o(), .events_o(events), .alive_o(alive_o), .rx_active_o(rx_active), .listen_only_o(), .unit_o(), .idle_o(),
@@ -81,7 +69,7 @@ module modbus_example_health #(
 
   modbus_line_health u_health (
     .clk_i(clk_i), .rst_i(rst_i), .clear_i(clear), .rxd_i(rxd_i), .de_i(de_o), .rx_active_i(rx_active),
-    .events_i(events), .settings_i(settings), .stb_i(wb_stb & of_health), .adr_i(wb_adr[2:0]), .dat_o(word),
+    .events_i(events), .settings_i(SETTINGS), .stb_i(wb_stb & of_health), .adr_i(wb_adr[2:0]), .dat_o(word),
     .ack_o(word_ack)
   );
 

@@ -60,8 +60,8 @@ module modbus_auto_line #(
     if (CLK_HZ < 1000 || MIN_BAUD < 1 || CLK_HZ / 65536 >= MIN_BAUD || CLK_HZ / 16 < MIN_BAUD) begin : gen_clock
       ERROR_modbus_auto_line_MIN_BAUD_from_CLK_HZ_by_65536_to_CLK_HZ_by_16 illegal_parameter ();
     end
-    if (BAD_FRAMES < 1 || BAD_FRAMES > 255) begin : gen_release
-      ERROR_modbus_auto_line_RELEASE_from_1_to_255 illegal_parameter ();
+    if (BAD_FRAMES < 1 || BAD_FRAMES > 255) begin : gen_bad_frames
+      ERROR_modbus_auto_line_BAD_FRAMES_from_1_to_255 illegal_parameter ();
     end
     if (RUN_BITS < 8 || RUN_BITS > 12) begin : gen_runs
       ERROR_modbus_auto_line_RUN_BITS_from_8_to_12 illegal_parameter ();

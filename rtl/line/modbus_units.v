@@ -26,7 +26,7 @@ module modbus_units #(
 
   generate
     if (UNIT_PORT < 0 || UNIT_PORT > 1 || UNIT_SET[0]) begin : gen_illegal
-      ERROR_modbus_UNITS_has_no_bit_0_and_UNIT_PORT_is_0_or_1 illegal_parameter ();
+      ERROR_modbus_UNIT_SET_has_no_bit_0_and_UNIT_PORT_is_0_or_1 illegal_parameter ();
     end
     if (UNIT_SET == 248'd0 && UNIT_PORT == 0) begin : gen_none
       wire unused = &{1'b0, clk_i, look_i, byte_i, ours_i};
