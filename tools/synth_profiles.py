@@ -43,6 +43,14 @@ OPTIONS_OFF = {port: value for port, value in FIXED_LINE.items() if port not in 
 OPEN = re.compile(r"^(user|status)_\w+_o$|^(listen_only|write_file)_o$")
 LEFT_OPEN = ("io",)
 
+# What this core aims at: (profile, bank) -> logic cells and MHz on the HX8K, MHz on the ECP5.
+AIMS = {
+    ("minimal", "ram"): (550, 130, 140),
+    ("minimal", "io"): (720, 125, 140),
+    ("basic", "ram"): (610, 130, 140),
+    ("full", "ram"): (1130, 112, 125),
+}
+
 # profile -> bank -> (parameters, ties).  The function codes of `basic` are 01-06 0F 10; `full` has all, with the
 # tables of the live device where they are in RAM.
 MINIMAL = {

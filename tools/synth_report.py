@@ -14,7 +14,7 @@ import json
 
 from synth_devices import DEVICES, FAMILIES
 from synth_peers import DEVICES_OF_PEERS, PEERS
-from synth_profiles import ADDED, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, base_of
+from synth_profiles import ADDED, AIMS, OPTIONS, PROFILE_NOTES, PROFILES, SHOWN, base_of
 
 from common import ROOT, source_of
 
@@ -28,6 +28,7 @@ MARKS = {  # table -> what stands before and after it
     "readme": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "options": ("<!-- synth table begin -->", "<!-- synth table end -->"),
     "parts": ("<!-- parts table begin -->", "<!-- parts table end -->"),
+    "aims": ("<!-- aims table begin -->", "<!-- aims table end -->"),
     "paths": ("<!-- paths table begin -->", "<!-- paths table end -->"),
     "peers": ("<!-- peers table begin -->", "<!-- peers table end -->"),
 }
@@ -136,6 +137,18 @@ def options_table(options: dict[str, dict], tools: dict) -> str:
         cells, blocks = more["lc"] - less["lc"], more["ram"] - less["ram"]
         lines.append(f"| {option} | {more['lc']} / {less['lc']} | {cells} | {blocks} |")
     return "\n".join([*lines, "", f"iCE40 HX8K, {tools_line({**tools, 'nextpnr-ecp5': None})}, seed 1."])
+
+
+def aims_table(results: list[dict], tools: dict) -> str:
+    """What the profiles aim at beside what they reach, as a markdown table."""
+    lines = ["| Profile | Bank | HX8K: LC aimed at / reached | MHz aimed at / reached | ECP5: MHz aimed at / reached |"]
+    lines.append("|---|---|---:|---:|---:|")
+    for (profile, bank), (cells, fast, fast_ecp5) in AIMS.items():
+        hx8k, ecp5 = (row_of(results, profile, bank, device) for device in DEVICES_OF_PEERS)
+        pairs = ((cells, hx8k["lc"]), (fast, hx8k["fmax_mhz"]), (fast_ecp5, ecp5["fmax_mhz"]))
+        figures = " | ".join(f"{aim} / {reached:.0f}" for aim, reached in pairs)
+        lines.append(f"| `{profile}` | {bank} | {figures} |")
+    return "\n".join([*lines, "", median_line(tools)])
 
 
 def parts_order(parts: dict[str, dict]) -> list[str]:
@@ -263,6 +276,7 @@ def documents(record: dict) -> dict:
     readme = placed(readme, size_table(record["results"], tools), "readme")
     page = placed(page, options_table(record["options"], tools), "options")
     page = placed(page, parts_table(record["parts"], tools), "parts")
+    page = placed(page, aims_table(record["results"], tools), "aims")
     page = placed(page, paths_table(record["results"], tools), "paths")
     page = placed(page, peers_table(record["peers"], record["results"], tools), "peers")
     return {RECORD: record_text(record), README: readme, PAGE: page, CHART: chart(record["parts"])}
