@@ -59,7 +59,7 @@ module modbus_line_timer #(
 
   // Halves of a bit: in t1.5 and t3.5, and from the middle of the first stop bit to the end of the last
   localparam [6:0] T15_11 = 7'd33, T15_10 = 7'd30, T35_11 = 7'd77, T35_10 = 7'd70;
-  localparam [6:0] REST_1 = 7'd1, REST_2 = 7'd3;
+  localparam [6:0] REST_1 = -7'd1, REST_2 = -7'd3;           // below 0
 
   wire [6:0] t15 = (format_i == `MB_FORMAT_8N1) ? T15_10 : T15_11;
   wire [6:0] t35 = (format_i == `MB_FORMAT_8N1) ? T35_10 : T35_11;
@@ -86,17 +86,13 @@ module modbus_line_timer #(
 
   wire       busy   = rst_i | restart_i | sending_i | receiving_i;
   wire       rest   = &halves_q[6:5];
-  wire [6:0] behind = -((format_i == `MB_FORMAT_8N2) ? REST_2 : REST_1);   // a received character
+  wire [6:0] behind = (format_i == `MB_FORMAT_8N2) ? REST_2 : REST_1;      // a received character
 
   always @(posedge clk_i) begin
-    if (halves_q == t15) t15_chars_q <= 1'b1;
-    if (halves_q == t35) t35_chars_q <= 1'b1;
+    t15_chars_q <= ~busy & (t15_chars_q | (halves_q == t15));
+    t35_chars_q <= ~busy & (t35_chars_q | (halves_q == t35));
     if (half_stb && !t35_chars_q) halves_q <= halves_q + 7'd1;
-    if (busy) begin
-      halves_q    <= receiving_i ? behind : 7'd0;
-      t15_chars_q <= 1'b0;
-      t35_chars_q <= 1'b0;
-    end
+    if (busy) halves_q <= receiving_i ? behind : 7'd0;
   end
 
   assign rest_o = rest;
@@ -113,18 +109,15 @@ module modbus_line_timer #(
       reg [W-1:0] clocks_q = {W{1'b0}};
       reg         t15_q = 1'b0, t35_q = 1'b0;
       wire        wraps;
+      wire        silent = ~busy & ~rest;
       wire [W-1:0] next;
       assign {wraps, next} = {1'b0, clocks_q} + 1'b1;
       assign tick = wraps;
       always @(posedge clk_i) begin
-        if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
-        if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
+        t15_q <= silent & (t15_q | &(clocks_q | ~T15_CLOCKS[W-1:0]));
+        t35_q <= silent & (t35_q | &(clocks_q | ~T35_CLOCKS[W-1:0]));
         clocks_q <= next;
-        if (busy || rest) begin
-          clocks_q <= {W{1'b0}};
-          t15_q    <= 1'b0;
-          t35_q    <= 1'b0;
-        end
+        if (!silent) clocks_q <= {W{1'b0}};
       end
 `ifdef FORMAL
       always @(posedge clk_i) if (f_past) begin
@@ -151,7 +144,7 @@ module modbus_line_timer #(
 
   always @(posedge clk_i) begin
     over_q <= over & ~wait_clear_i;
-    if (wait_clear_i)            bits_q <= 16'd0;
+    if (wait_clear_i || wait_stb_i) bits_q <= 16'd0;
     else if (((TICK_BITS != 0 && wait_ticks_i) ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
   end
 
