@@ -207,6 +207,7 @@ module modbus_line_timer #(
   always @* assume (bit_stb == (quarter_stb && quarter == 2'd3));
   wire [15:0] f_limit = wait_short_i ? {12'd0, wait_limit_i[3:0]} : wait_limit_i;
   always @(posedge clk_i) if (f_past) begin
+    assume (!wait_stb_i || $past(wait_clear_i));                // in the first clock of a wait, or before
     assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
     if (!$past(wait_clear_i) && !wait_clear_i) begin
       assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);
