@@ -228,8 +228,7 @@ module modbus_burst #(
     dry_q       <= argument_i[`MB_ARG_DRY];
     inner_ack_q <= item & inner & ~inner_ack_q;
     if (burst_done || lost || do_i[`MB_DO_RELEASE]) keep_q <= argument_i[`MB_ARG_KEEP] & burst_done;
-    if (state_q == ST_REST) ended_q <= 1'b0;
-    else if (ack)           ended_q <= at_last_i;
+    ended_q     <= moving_o & (ended_q | (ack & at_last_i));
 
     if (state_q == ST_REST) bit_q <= 3'd0;
     else if (shift)         bit_q <= bit_q + 3'd1;

@@ -79,7 +79,7 @@ module modbus_diagnostics (
     ack_q  <= host & status_stb_i & ready_q & ~ack_q;
     state_q <= ~of_log & (wanted[5:2] == 4'd0);
     which_q <= wanted[1:0];
-    if (cleared_i) ready_q <= 1'b1;
+    ready_q <= ready_q | cleared_i;
 
     if (logs) begin
       newest_q <= entry;
@@ -87,8 +87,7 @@ module modbus_diagnostics (
     end
     if (do_i[`MB_DO_EMPTY]) entries_q <= 7'd0;
 
-    if (do_i[`MB_DO_LISTEN]) listen_only_q <= 1'b1;
-    if (do_i[`MB_DO_ACTIVE]) listen_only_q <= 1'b0;
+    listen_only_q <= (listen_only_q | do_i[`MB_DO_LISTEN]) & ~do_i[`MB_DO_ACTIVE];
 
     register_q[15:1] <= (do_i[`MB_DO_CLEAR_REGISTER] ? 15'd0 : register_q[15:1]) | diagnostic_i;
     if (do_i[`MB_DO_OVERRUN])

@@ -117,15 +117,11 @@ module modbus_ascii (
   wire       fresh    = start_q | (valid_i & ~began_q);
 
   always @(posedge clk_i) begin
-    if (step) half_q <= ~half_q;
+    half_q  <= ~ascii_i | (~fresh & (half_q ^ step));
+    began_q <= ~ascii_i | (valid_i & (began_q | ready_i));
     if (step && half_q) sum_q <= sum_q + {high_q, nibble};
-    if (fresh) begin
-      half_q <= 1'b0;
-      sum_q  <= 8'hFF;
-    end
+    if (fresh) sum_q <= 8'hFF;
     if (ascii_i ? step & ~half_q : char_stb_i) high_q <= ascii_i ? nibble : data_i[7:4];
-    began_q <= valid_i & (began_q | ready_i);
-    if (!ascii_i) {half_q, began_q} <= 2'b11;
 
     colon_q <= char_stb_i & (receiving_i ? anew : is_colon);
     start_q <= colon_q;
@@ -133,12 +129,9 @@ module modbus_ascii (
     // Another character may begin before the stop bits should have ended.
     end_q   <= (heard & cr_q & ~anew) | (end_q & rest_i & ~start_stb_i);
     close_q <= (heard & anew & any_q) | (end_q & (start_stb_i | ~rest_i)) | over;
-    if (heard) begin
-      any_q <= any_q | ~is_colon;
-      cr_q  <= is_cr;
-    end
-    if ((heard && misplaced) || over) wrong_q <= 1'b1;
-    if (start_q) {any_q, cr_q, wrong_q} <= 3'b000;
+    any_q   <= ~start_q & (any_q | (heard & ~is_colon));
+    cr_q    <= ~start_q & (heard ? is_cr : cr_q);
+    wrong_q <= ~start_q & (wrong_q | (heard & misplaced) | over);
 
     if (delimiter_stb_i)    delimiter_q <= frame_byte_i[6:0];
     if (restart_i || rst_i) delimiter_q <= LF;

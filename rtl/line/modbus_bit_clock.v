@@ -40,6 +40,7 @@ module modbus_bit_clock #(
   reg [1:0]  lower_q   = 2'd0;
   reg [1:0]  quarter_q = 2'd0;
   reg        stb_q     = 1'b1;       // at power-up the count is loaded first
+  reg        bit_stb_q = 1'b0;       // it is the end of the bit
 
   // The two low bits of N are paid out as extra clocks.  Two go to the middle quarters, which keeps a receiver's
   // three samples a full quarter apart and the second one in the middle of the bit; one goes to the end.  That of the
@@ -52,18 +53,20 @@ module modbus_bit_clock #(
   wire [U-1:0] next;
   assign {full, next} = {1'b0, upper_q} + {1'b0, {(U-1){load}}, 1'b1};
 
+  wire       ends = full & (lower_q[1] | (lower_q[0] & ~extend)) & ~load;
+
   always @(posedge clk_i) begin
-    stb_q   <= full & (lower_q[1] | (lower_q[0] & ~extend));
+    stb_q     <= ends;
+    bit_stb_q <= ends & (quarter_q == 2'd3);
     lower_q <= load ? ~bit_time_i[3:2] : lower_q + 2'd1;
     if (load || lower_q == 2'd3) upper_q <= load ? ~bit_time_i[U+3:4] : next;
-    if (load) stb_q <= 1'b0;
     if (restart_i)  quarter_q <= 2'd0;
     else if (stb_q) quarter_q <= quarter_q + 2'd1;
   end
 
   assign quarter_stb_o = stb_q;
   assign quarter_o     = quarter_q;
-  assign bit_stb_o     = stb_q & (quarter_q == 2'd3);
+  assign bit_stb_o     = bit_stb_q;
 
   generate
     if (U < 12) begin : gen_narrow

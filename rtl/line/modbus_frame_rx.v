@@ -94,7 +94,7 @@ module modbus_frame_rx (
   wire reception = (state_q == ST_RECEPTION);
   wire full      = count_i[8];
   wire spoiled   = gap_q & ~gap_count_only_i;
-  wire is_short  = (count_i < 9'd4);
+  wire is_short  = (count_i[8:2] == 7'd0);                  // below 4
   wire broken    = parity_q | framing_q | long_q | spoiled | is_short;
   wire heard     = heard_q | start_stb_i;
   wire verdict   = reception & t35_i;
@@ -141,19 +141,11 @@ module modbus_frame_rx (
     decide_q <= check_q & ~rst_i;
     for_us_q  <= for_us;
     for_all_q <= for_all;
-    if (open_q) begin
-      parity_q  <= ascii_i & parity_error_i;
-      framing_q <= ascii_i & framing_error_i;
-      long_q    <= 1'b0;
-      gap_q     <= 1'b0;
-    end else if (reception) begin
-      if ((start_stb_i || ascii_i) && t15_i) gap_q <= 1'b1;
-      if (char_stb_i) begin
-        parity_q  <= parity_q  | parity_error_i;
-        framing_q <= framing_q | framing_error_i;
-        long_q    <= long_q    | (full & half_i & ~spoiled);     // what follows a gap is not looked at
-      end
-    end
+    // What spoils a frame stays from its first character to the verdict; an opening frame has nothing yet.
+    parity_q  <= open_q ? ascii_i & parity_error_i  : parity_q  | (char_stb_i & parity_error_i);
+    framing_q <= open_q ? ascii_i & framing_error_i : framing_q | (char_stb_i & framing_error_i);
+    long_q    <= ~open_q & (long_q | (char_stb_i & full & half_i & ~spoiled));   // what follows a gap is not looked at
+    gap_q     <= ~open_q & (gap_q | ((start_stb_i | ascii_i) & t15_i));
     if (rst_i || (restart_i && !sending_i && !send_stb_o)) state_q <= ST_INITIAL;
   end
 

@@ -14,8 +14,9 @@
 //
 // Waits.  While wait_clear_i is low bits are counted; wait_over_o rises a clock behind the last of wait_limit_i.
 //   With wait_ticks_i it counts ticks of 2^TICK_BITS clocks of silence instead.
-//   wait_stb_i begins a whole bit, so that the wait is not a part of one short.  A wait that runs is not disturbed by
-//   characters; a silence during one may be measured half a bit short.
+//   wait_stb_i, high in the first clock of a wait or before, begins a whole bit in the next clock, so that the wait is
+//   not a part of one short.  A wait that runs is not disturbed by characters; a silence during one may be measured half
+//   a bit short.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -42,7 +43,7 @@ module modbus_line_timer #(
   output wire        rest_o,         // level : the last stop bits have not ended, or a character is on the line
 
   // Waits
-  input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
+  input  wire        wait_stb_i,     // strobe: a wait of whole bits begins in the next clock
   input  wire        wait_clear_i,   // level : nothing is waited for
   input  wire [15:0] wait_limit_i,   // bit times
   input  wire        wait_short_i,   // level : only the low four bits of the limit count
@@ -59,7 +60,7 @@ module modbus_line_timer #(
 
   // Halves of a bit: in t1.5 and t3.5, and from the middle of the first stop bit to the end of the last
   localparam [6:0] T15_11 = 7'd33, T15_10 = 7'd30, T35_11 = 7'd77, T35_10 = 7'd70;
-  localparam [6:0] REST_1 = 7'd1, REST_2 = 7'd3;
+  localparam [6:0] REST_1 = -7'd1, REST_2 = -7'd3;           // below 0
 
   wire [6:0] t15 = (format_i == `MB_FORMAT_8N1) ? T15_10 : T15_11;
   wire [6:0] t35 = (format_i == `MB_FORMAT_8N1) ? T35_10 : T35_11;
@@ -86,17 +87,13 @@ module modbus_line_timer #(
 
   wire       busy   = rst_i | restart_i | sending_i | receiving_i;
   wire       rest   = &halves_q[6:5];
-  wire [6:0] behind = -((format_i == `MB_FORMAT_8N2) ? REST_2 : REST_1);   // a received character
+  wire [6:0] behind = (format_i == `MB_FORMAT_8N2) ? REST_2 : REST_1;      // a received character
 
   always @(posedge clk_i) begin
-    if (halves_q == t15) t15_chars_q <= 1'b1;
-    if (halves_q == t35) t35_chars_q <= 1'b1;
+    t15_chars_q <= ~busy & (t15_chars_q | (halves_q == t15));
+    t35_chars_q <= ~busy & (t35_chars_q | (halves_q == t35));
     if (half_stb && !t35_chars_q) halves_q <= halves_q + 7'd1;
-    if (busy) begin
-      halves_q    <= receiving_i ? behind : 7'd0;
-      t15_chars_q <= 1'b0;
-      t35_chars_q <= 1'b0;
-    end
+    if (busy) halves_q <= receiving_i ? behind : 7'd0;
   end
 
   assign rest_o = rest;
@@ -113,18 +110,15 @@ module modbus_line_timer #(
       reg [W-1:0] clocks_q = {W{1'b0}};
       reg         t15_q = 1'b0, t35_q = 1'b0;
       wire        wraps;
+      wire        silent = ~busy & ~rest;
       wire [W-1:0] next;
       assign {wraps, next} = {1'b0, clocks_q} + 1'b1;
       assign tick = wraps;
       always @(posedge clk_i) begin
-        if (&(clocks_q | ~T15_CLOCKS[W-1:0])) t15_q <= 1'b1;
-        if (&(clocks_q | ~T35_CLOCKS[W-1:0])) t35_q <= 1'b1;
+        t15_q <= silent & (t15_q | &(clocks_q | ~T15_CLOCKS[W-1:0]));
+        t35_q <= silent & (t35_q | &(clocks_q | ~T35_CLOCKS[W-1:0]));
         clocks_q <= next;
-        if (busy || rest) begin
-          clocks_q <= {W{1'b0}};
-          t15_q    <= 1'b0;
-          t35_q    <= 1'b0;
-        end
+        if (!silent) clocks_q <= {W{1'b0}};
       end
 `ifdef FORMAL
       always @(posedge clk_i) if (f_past) begin
@@ -151,7 +145,7 @@ module modbus_line_timer #(
 
   always @(posedge clk_i) begin
     over_q <= over & ~wait_clear_i;
-    if (wait_clear_i)            bits_q <= 16'd0;
+    if (wait_clear_i || wait_stb_i) bits_q <= 16'd0;
     else if (((TICK_BITS != 0 && wait_ticks_i) ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
   end
 
@@ -209,10 +203,11 @@ module modbus_line_timer #(
 
   // Waits: exactly so many bits
   reg [15:0] f_bits = 16'd0;
-  always @(posedge clk_i) if (wait_clear_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
+  always @(posedge clk_i) if (wait_clear_i || wait_stb_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
   always @* assume (bit_stb == (quarter_stb && quarter == 2'd3));
   wire [15:0] f_limit = wait_short_i ? {12'd0, wait_limit_i[3:0]} : wait_limit_i;
   always @(posedge clk_i) if (f_past) begin
+    assume (!wait_stb_i || $past(wait_clear_i));                // in the first clock of a wait, or before
     assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
     if (!$past(wait_clear_i) && !wait_clear_i) begin
       assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);

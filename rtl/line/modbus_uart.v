@@ -145,11 +145,8 @@ module modbus_uart #(
       framing_error_q <= ~line_q;
       parity_error_q  <= has_parity & parity_q;
     end
-    if (quarter_stb) begin
-      if (quarter == 2'd0) sample_q <= line_q;
-      decided_q <= (decided_q | decide) & (quarter != 2'd3);
-    end
-    if (begin_char) decided_q <= 1'b0;
+    if (quarter_stb && quarter == 2'd0) sample_q <= line_q;
+    decided_q <= (decided_q | decide) & ~bit_stb & ~begin_char;
     state_q <= state_d;
     if (rst_i) begin
       state_q     <= ST_IDLE;
@@ -161,23 +158,16 @@ module modbus_uart #(
   // ------------------------------------------------------------------ transmitter
 
   wire step   = sends_q & bit_stb;
-  wire ends   = step & is_behind_q;
+  wire ends   = bit_stb & is_behind_q;
   wire take   = valid_i & ready_o;
   wire serial = check_q ? check_bit_i : data_q[0];
   wire tx_bit = step & data_bit;
 
   always @(posedge clk_i) begin
-    if (take) begin
-      sends_q <= 1'b1;
-      check_q <= check_i;
-      txd_q   <= 1'b0;
-    end else if (step) begin
-      txd_q   <= is_parity_q ? parity_q : is_stop_q | serial;
-      if (ends) begin
-        sends_q <= 1'b0;
-        check_q <= 1'b0;
-      end
-    end
+    sends_q <= take | (sends_q & ~ends);
+    check_q <= take ? check_i : check_q & ~ends;
+    if (take)      txd_q <= 1'b0;
+    else if (step) txd_q <= is_parity_q ? parity_q : is_stop_q | serial;
     if (rst_i) begin
       sends_q <= 1'b0;
       check_q <= 1'b0;

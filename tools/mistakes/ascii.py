@@ -18,14 +18,14 @@ MISTAKES = [
     Mistake(
         "what_the_colon_began_stays",
         CODEC,
-        "if (start_q) {any_q, cr_q, wrong_q} <= 3'b000;",
-        "if (start_q) any_q <= 1'b0;",
+        "cr_q    <= ~start_q & (heard ? is_cr : cr_q);\n    wrong_q <= ~start_q & (",
+        "cr_q    <= heard ? is_cr : cr_q;\n    wrong_q <= 1'b1 & (",
     ),
     Mistake(
         "time_out_forgotten", CODEC, "(end_q & (start_stb_i | ~rest_i)) | over;", "(end_q & (start_stb_i | ~rest_i));"
     ),
     Mistake(
-        "a_late_frame_is_good", CODEC, "if ((heard && misplaced) || over) wrong_q", "if (heard && misplaced) wrong_q"
+        "a_late_frame_is_good", CODEC, "(wrong_q | (heard & misplaced) | over)", "(wrong_q | (heard & misplaced))"
     ),
     Mistake("delimiter_kept_over_a_restart", CODEC, "if (restart_i || rst_i) delimiter_q", "if (rst_i) delimiter_q"),
     Mistake(
@@ -36,25 +36,25 @@ MISTAKES = [
     ),
     Mistake("end_before_the_stop_bits", CODEC, "(end_q & (start_stb_i | ~rest_i))", "end_q"),
     Mistake("one_byte_too_few_counted", CODEC, "up_q    <= open_stb_i & ascii_i;", "up_q    <= 1'b0;"),
-    Mistake("answer_without_its_colon", CODEC, "began_q <= valid_i & (began_q | ready_i);", "began_q <= valid_i;"),
+    Mistake("answer_without_its_colon", CODEC, "(valid_i & (began_q | ready_i))", "valid_i"),
     Mistake("lf_before_cr", CODEC, "cr_tx    = last_i & ~half_q;", "cr_tx    = last_i & half_q;"),
-    Mistake("lrc_of_the_answer_before_one_is_added", CODEC, "sum_q  <= 8'hFF;", "sum_q  <= 8'h00;"),
+    Mistake("lrc_of_the_answer_before_one_is_added", CODEC, "if (fresh) sum_q <= 8'hFF;", "if (fresh) sum_q <= 8'h00;"),
     Mistake("letters_sent_as_what_follows_9", CODEC, "ascii_i & began_q & ~last_i & nibble[3]", "1'b0 & nibble[3]"),
     Mistake("eight_bits_in_seven_bit_mode", "modbus_line.v", "ascii & ~settings_i[`MB_SET_EIGHT_BITS]", "1'b0"),
     Mistake("the_eighth_bit_is_sent", "modbus_uart.v", "{2'd0, take & seven_i, take ^ seven_i}", "{3'd0, take}"),
     Mistake(
         "parity_of_the_colon_not_judged",
         "modbus_frame_rx.v",
-        "parity_q  <= ascii_i & parity_error_i;",
-        "parity_q  <= 1'b0;",
+        "parity_q  <= open_q ? ascii_i & parity_error_i ",
+        "parity_q  <= open_q ? 1'b0 ",
     ),
     Mistake(
         "framing_of_the_colon_not_judged",
         "modbus_frame_rx.v",
-        "framing_q <= ascii_i & framing_error_i;",
-        "framing_q <= 1'b0;",
+        "framing_q <= open_q ? ascii_i & framing_error_i ",
+        "framing_q <= open_q ? 1'b0 ",
     ),
-    Mistake("long_by_a_byte_only", "modbus_frame_rx.v", "(full & half_i & ~spoiled)", "(full & whole_i & ~spoiled)"),
+    Mistake("long_by_a_byte_only", "modbus_frame_rx.v", "full & half_i & ~spoiled", "full & whole_i & ~spoiled"),
     Mistake(
         "time_out_without_what_is_added", "modbus_line.v", "TICKS[15:0] | ({14'd0, extra} << EXTRA_AT)", "TICKS[15:0]"
     ),

@@ -546,8 +546,8 @@ MISTAKES = [
     Mistake(
         "burst_ends_an_item_early",
         "modbus_burst.v",
-        "ended_q <= at_last_i;",
-        "ended_q <= at_last_i | (next_o & bit_q == 3'd6);",
+        "(ack & at_last_i));",
+        "(ack & (at_last_i | bit_q == 3'd6)));",
     ),
     Mistake(
         "bits_packed_from_the_top",
