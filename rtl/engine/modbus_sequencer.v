@@ -238,19 +238,11 @@ module modbus_sequencer #(
 
   always @(posedge clk_i) begin
     fetched_q <= run_q & ~ends & ~raise_q;
-    is_q      <= decoded;
-    fields_q  <= fields;
-    one_q     <= one;
-    two_q     <= two;
-    four_q    <= fields | four;
-    clock_q   <= {clock_q[1] | clock_q[0], ~clock_q[0]};
-    if (idle) {fields_q, one_q, two_q, four_q} <= 4'd0;
-    if (idle || step[4]) is_q[15:0] <= 16'd0;
-    if (idle || step[3]) is_q[23:16] <= 8'd0;
-    if (idle || step[2]) is_q[27:24] <= 4'd0;
-    if (idle || !step[2]) is_q[31:28] <= 4'd0;
-    if (!active_q) clock_q <= 2'd0;
-    active_q <= ~idle;
+    active_q  <= ~idle;
+    is_q      <= {(idle | ~step[2]) ? 4'd0 : decoded[31:28], (idle | step[2]) ? 4'd0 : decoded[27:24],
+                  (idle | step[3]) ? 8'd0 : decoded[23:16], (idle | step[4]) ? 16'd0 : decoded[15:0]};
+    {fields_q, one_q, two_q, four_q} <= idle ? 4'd0 : {fields, one, two, fields | four};
+    clock_q   <= active_q ? {clock_q[1] | clock_q[0], ~clock_q[0]} : 2'd0;
 
     if (is_space || (is_address && argument[`MB_ARG_IN_SPACE])) space_q <= argument[`MB_ARG_SPACE];
     argument     <= fetched[`MB_WORD_ARGUMENT];

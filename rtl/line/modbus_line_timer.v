@@ -117,8 +117,7 @@ module modbus_line_timer #(
       always @(posedge clk_i) begin
         t15_q <= silent & (t15_q | &(clocks_q | ~T15_CLOCKS[W-1:0]));
         t35_q <= silent & (t35_q | &(clocks_q | ~T35_CLOCKS[W-1:0]));
-        clocks_q <= next;
-        if (!silent) clocks_q <= {W{1'b0}};
+        clocks_q <= silent ? next : {W{1'b0}};
       end
 `ifdef FORMAL
       always @(posedge clk_i) if (f_past) begin
