@@ -135,7 +135,6 @@ module modbus_line #(
   // ------------------------------------------------------------------ silence and waits
 
   wire        t15, t35, rest, send_stb, tx_wait_clear, tx_wait_short, wait_over;
-  reg         sends_q = 1'b0;        // an answer has begun a clock ago
   wire [11:0] tx_wait_limit;
 
   // One wait counter: the waits of an answer follow the bank's, and those the silences inside a frame of ASCII mode.
@@ -148,14 +147,12 @@ module modbus_line #(
   ) u_line_timer (
     .clk_i(clk_i), .rst_i(rst_i), .bit_time_i(bit_time), .fraction_i(fraction), .format_i(format),
     .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
-    .t15_o(t15), .t35_o(t35), .rest_o(rest), .wait_stb_i(sends_q),
+    .t15_o(t15), .t35_o(t35), .rest_o(rest), .wait_stb_i(verdict_i[`MB_VERDICT_SEND]),
     .wait_clear_i(sending_o ? tx_wait_clear : counts_silence ? receiving : ~bank_waits_i),
     .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : counts_silence ? timeout : stall_limit),
     .wait_short_i(sending_o & tx_wait_short), .wait_ticks_i(counts_silence),
     .wait_over_o(wait_over)
   );
-
-  always @(posedge clk_i) sends_q <= send_stb;
 
   // A stall limit of 0 is no limit.
   assign stall_o = wait_over & (stall_limit != 16'd0);

@@ -14,9 +14,8 @@
 //
 // Waits.  While wait_clear_i is low bits are counted; wait_over_o rises a clock behind the last of wait_limit_i.
 //   With wait_ticks_i it counts ticks of 2^TICK_BITS clocks of silence instead.
-//   wait_stb_i, high in the first clock of a wait or before, begins a whole bit in the next clock, so that the wait is
-//   not a part of one short.  A wait that runs is not disturbed by characters; a silence during one may be measured half
-//   a bit short.
+//   wait_stb_i begins a whole bit, so that the wait is not a part of one short.  A wait that runs is not disturbed by
+//   characters; a silence during one may be measured half a bit short.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -43,7 +42,7 @@ module modbus_line_timer #(
   output wire        rest_o,         // level : the last stop bits have not ended, or a character is on the line
 
   // Waits
-  input  wire        wait_stb_i,     // strobe: a wait of whole bits begins in the next clock
+  input  wire        wait_stb_i,     // strobe: a wait of whole bits begins
   input  wire        wait_clear_i,   // level : nothing is waited for
   input  wire [15:0] wait_limit_i,   // bit times
   input  wire        wait_short_i,   // level : only the low four bits of the limit count
@@ -144,7 +143,7 @@ module modbus_line_timer #(
 
   always @(posedge clk_i) begin
     over_q <= over & ~wait_clear_i;
-    if (wait_clear_i || wait_stb_i) bits_q <= 16'd0;
+    if (wait_clear_i)            bits_q <= 16'd0;
     else if (((TICK_BITS != 0 && wait_ticks_i) ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
   end
 
@@ -202,11 +201,10 @@ module modbus_line_timer #(
 
   // Waits: exactly so many bits
   reg [15:0] f_bits = 16'd0;
-  always @(posedge clk_i) if (wait_clear_i || wait_stb_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
+  always @(posedge clk_i) if (wait_clear_i) f_bits <= 16'd0; else if (bit_stb && f_bits != 16'hFFFF) f_bits <= f_bits + 16'd1;
   always @* assume (bit_stb == (quarter_stb && quarter == 2'd3));
   wire [15:0] f_limit = wait_short_i ? {12'd0, wait_limit_i[3:0]} : wait_limit_i;
   always @(posedge clk_i) if (f_past) begin
-    assume (!wait_stb_i || $past(wait_clear_i));                // in the first clock of a wait, or before
     assume (wait_clear_i || $past(wait_clear_i) || ($stable(wait_limit_i) && $stable(wait_short_i)));
     if (!$past(wait_clear_i) && !wait_clear_i) begin
       assert (over_q || bits_q == f_bits || f_bits == 16'hFFFF);
