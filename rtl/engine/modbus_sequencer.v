@@ -87,6 +87,7 @@ module modbus_sequencer #(
   reg [10:0] argument;               // and its argument
   reg        active_q = 1'b0;        // there is one
   reg        fields_q = 1'b0;        // it is one that takes fields of the request
+  reg        alone_q = 1'b0;         // of one byte
   reg        one_q = 1'b0, two_q = 1'b0, four_q = 1'b0;   // it is one of so many clocks
   reg [1:0]  clock_q = 2'd0;         // its clock: 0, 1, 2, 3, then 2 and 3 in turn
   reg        raise_q = 1'b0;         // the step before went wrong
@@ -242,6 +243,7 @@ module modbus_sequencer #(
     is_q      <= {(idle | ~step[2]) ? 4'd0 : decoded[31:28], (idle | step[2]) ? 4'd0 : decoded[27:24],
                   (idle | step[3]) ? 8'd0 : decoded[23:16], (idle | step[4]) ? 16'd0 : decoded[15:0]};
     {fields_q, one_q, two_q, four_q} <= idle ? 4'd0 : {fields, one, two, fields | four};
+    alone_q   <= (step == `MB_STEP_BYTE_COUNT) & ~fetched[`MB_ARG_FIT];
     clock_q   <= active_q ? {clock_q[1] | clock_q[0], ~clock_q[0]} : 2'd0;
 
     if (is_space || (is_address && argument[`MB_ARG_IN_SPACE])) space_q <= argument[`MB_ARG_SPACE];
@@ -281,8 +283,8 @@ module modbus_sequencer #(
 
   // ------------------------------------------------------------------ what the step does
 
-  wire consume = (fields_q & clock_1) | (fields_q & clock_2 & (~is_byte_count | argument[`MB_ARG_FIT]))
-               | is_dispatch | (is_match & clock_2);
+  // In its first two clocks a step of fields takes a byte each, but for BYTE_COUNT without FIT, which takes one.
+  wire consume = (fields_q & ~clock_q[1] & ~(alone_q & clock_q[0])) | is_dispatch | (is_match & clock_2);
   wire walk    = is_walk & clock_q[0] & ~arrived_q;
   wire placed  = is_put & clock_2;
   wire places  = (is_load & clock_1) | ((is_put | is_burst) & clock_1 & ~argument[`MB_ARG_HERE]);
