@@ -268,6 +268,8 @@ ON_VERILATOR = (
     "speed_floors",
     "options_timeout",
     "core_bus",
+    "core_files",
+    "vectors",
 )
 # Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
 # suite: regular expression of the tests, or None for all; Icarus then plays none of them unless FULL=1
@@ -291,6 +293,8 @@ KEPT_BY_ICARUS = {
     "line_faults": "after_reset|behind_reset.*8E1|defined|during_the_answer",
     "speed": "jitter",
     "core_bus": "reset_releases|in_order|second_range",
+    "core_files": "bank_waits/wait=1|stall_limit",
+    "vectors": "vector=[0-9]$",
     "options": "while_idle|host_port_reaches|needs_no_memory",
     "diagnostics_counters": "reset_clears|good_frame_counts",
     "diagnostics_modes": "answers_at_once",
