@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""docs/timing.md says what the core does: every table and picture is measured anew and compared."""
+"""docs/timing.md says what the core does: its pictures and tables are measured anew and compared, with FULL=1 all."""
 
 import shutil
 
 import pytest
+from conftest import FULL
 from timing_doc import measure, waves
 from timing_doc.lab import Lab
 from timing_doc.update import DOCUMENT, PICTURES, digest
@@ -24,8 +25,10 @@ def test_figures_and_pictures_of_timing_doc():
         elif digest(text) not in picture.read_text(encoding="utf-8"):
             stale.append(f"docs/wave/{name}.svg is not drawn from {name}.json")
     written = measure.tables_of(DOCUMENT.read_text(encoding="utf-8"))
-    measured = measure.everything(lab)
-    assert set(written) == set(measured), "the tables of docs/timing.md and of measure.py differ"
+    measured = measure.everything(lab, but=() if FULL else measure.LONG)
+    missing = set(measured) ^ set(written) if FULL else set(measured) - set(written)
+    assert not missing, f"only one of docs/timing.md and measure.py has {sorted(missing)}"
+    assert len(measured) > len(written) / 2
     for name, table in measured.items():
         if written[name] != table:
             old = written[name].splitlines()
