@@ -51,7 +51,7 @@ quick: $(call stamp,test) $(call stamp,lint)  ## under a minute, before a commit
 test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
 	@$(PY) tools/run_tests.py $${T:+"$$T"}
 
-nightly: $(call stamp,test) $(call stamp,lint) $(call stamp,formal)  ## everything, some 100 minutes; T=stage,... or NIGHTLY_SKIP=stage,...; report build/nightly.md
+nightly: $(call stamp,test) $(call stamp,lint) $(call stamp,formal)  ## everything, some hours; T=stage,... or NIGHTLY_SKIP=stage,...; report build/nightly.md
 	@$(PY) tools/nightly.py $${T:+"$$T"}
 
 lint: $(call stamp,lint)  ## every linter over every module and parameter set; T=module selects

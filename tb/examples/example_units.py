@@ -6,6 +6,7 @@ import random
 
 import cocotb
 from harness.unit import clocks, settle, start
+from harness.volume import volume
 from harness.wave import decode, encode
 from protocol import frames
 from protocol.defs import F8E1
@@ -69,7 +70,7 @@ async def begin(dut):
 async def each_unit_has_its_own_registers(dut):
     line = await begin(dut)
     rng, held = random.Random(1), [[0] * ITEMS for _ in UNITS]
-    for _ in range(16):
+    for _ in range(volume("rounds with several units")):
         place = rng.randrange(3)
         unit, item, value = UNITS[place], rng.randrange(ITEMS), rng.getrandbits(16)
         request = frames.adu(unit, frames.write_register(item, value))
