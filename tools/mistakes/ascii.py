@@ -6,12 +6,12 @@ from .kinds import Mistake
 
 CODEC = "modbus_ascii.v"
 MISTAKES = [
-    Mistake("lower_case_taken", CODEC, "(data_i[7:3] == 5'h08)", "({data_i[7:6], data_i[4:3]} == 4'b0100)"),
-    Mistake("the_digit_behind_9_taken", CODEC, "~(data_i[3] & (data_i[2] | data_i[1]))", "~(data_i[3] & data_i[2])"),
+    Mistake("lower_case_taken", CODEC, "~data_i[5] & ~data_i[4] & ~data_i[3] & big", "~data_i[4] & ~data_i[3] & big"),
+    Mistake("the_digit_behind_9_taken", CODEC, "data_i[4] & ~big", "data_i[4] & ~(big & nibble[2])"),
     Mistake("a_letter_is_worth_one_less", CODEC, "data_i[0] ^ letter};", "data_i[0]};"),
     Mistake("lrc_not_judged", CODEC, "(sum_q == 8'hFF) & ~wrong_q", "~wrong_q"),
     Mistake("wrong_characters_not_judged", CODEC, "(sum_q == 8'hFF) & ~wrong_q", "(sum_q == 8'hFF)"),
-    Mistake("half_a_byte_at_the_end_taken", CODEC, "is_cr ? half_q : ~(digit", "is_cr ? 1'b0 : ~(digit"),
+    Mistake("half_a_byte_at_the_end_taken", CODEC, "is_cr ? half_q : ~allowed", "is_cr ? 1'b0 : ~allowed"),
     Mistake("any_character_behind_cr_ends", CODEC, "cr_q ? ~ends :", "cr_q ? 1'b0 :"),
     Mistake("a_colon_inside_is_no_end", CODEC, "(heard & anew & any_q) | (end_q", "(end_q"),
     Mistake("an_empty_part_is_a_bad_frame", CODEC, "(heard & anew & any_q)", "(heard & anew)"),
