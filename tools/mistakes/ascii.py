@@ -39,7 +39,7 @@ MISTAKES = [
     Mistake("answer_without_its_colon", CODEC, "(valid_i & (began_q | ready_i))", "valid_i"),
     Mistake("lf_before_cr", CODEC, "cr_tx    = last_i & ~half_q;", "cr_tx    = last_i & half_q;"),
     Mistake("lrc_of_the_answer_before_one_is_added", CODEC, "if (fresh) sum_q <= 8'hFF;", "if (fresh) sum_q <= 8'h00;"),
-    Mistake("letters_sent_as_what_follows_9", CODEC, "ascii_i & began_q & ~last_i & nibble[3]", "1'b0 & nibble[3]"),
+    Mistake("letters_sent_as_what_follows_9", CODEC, "above_9  = ascii_i & began_q & ~last_i & big", "above_9  = 1'b0"),
     Mistake("eight_bits_in_seven_bit_mode", "modbus_line.v", "ascii & ~settings_i[`MB_SET_EIGHT_BITS]", "1'b0"),
     Mistake("the_eighth_bit_is_sent", "modbus_uart.v", "{2'd0, take & seven_i, take ^ seven_i}", "{3'd0, take}"),
     Mistake(
