@@ -89,11 +89,8 @@ module modbus_ascii (
   wire       is_colon = (data_i == COLON);
   wire       is_cr    = (data_i == CR);
   wire       ends     = (data_i == {1'b0, delimiter_q});
-  wire       digit    = (data_i[7:4] == 4'h3) & ~(data_i[3] & (data_i[2] | data_i[1]));
-  wire       capital  = (data_i[7:3] == 5'h08) & (data_i[2:0] != 3'd0) & (data_i[2:0] != 3'd7);
   wire       anew     = is_colon & ~(cr_q & ends);
   wire       of_byte  = ~cr_q & ~is_colon & ~is_cr;
-  wire       misplaced = cr_q ? ~ends : is_colon ? any_q : is_cr ? half_q : ~(digit | capital);
   wire       heard    = char_stb_i & receiving_i;
   wire       over     = over_i & receiving_i;
   // A is 41H: a letter is 9 more than its low half.
@@ -112,7 +109,13 @@ module modbus_ascii (
   // ------------------------------------------------------------------ halves of bytes, either way
 
   wire [3:0] nibble   = valid_i ? sent : received;
-  wire       above_9  = ascii_i & began_q & ~last_i & nibble[3] & (nibble[2] | nibble[1]);
+  wire       big      = nibble[3] & (nibble[2] | nibble[1]);        // above 9
+  wire       above_9  = ascii_i & began_q & ~last_i & big;
+  // 30H to 39H have a low half up to 9; of 40H to 47H those that are letters A to F are worth more than 9.
+  wire       of_a_digit  = data_i[5] & data_i[4] & ~big;
+  wire       of_a_letter = ~data_i[5] & ~data_i[4] & ~data_i[3] & big;
+  wire       allowed  = ~data_i[7] & (data_i[6] ? of_a_letter : of_a_digit);
+  wire       misplaced = cr_q ? ~ends : is_colon ? any_q : is_cr ? half_q : ~allowed;
   wire       step     = valid_i ? ready_i & began_q : char_stb_i & of_byte;
   wire       fresh    = start_q | (valid_i & ~began_q);
 

@@ -6,12 +6,12 @@ from .kinds import Mistake
 
 CODEC = "modbus_ascii.v"
 MISTAKES = [
-    Mistake("lower_case_taken", CODEC, "(data_i[7:3] == 5'h08)", "({data_i[7:6], data_i[4:3]} == 4'b0100)"),
-    Mistake("the_digit_behind_9_taken", CODEC, "~(data_i[3] & (data_i[2] | data_i[1]))", "~(data_i[3] & data_i[2])"),
+    Mistake("lower_case_taken", CODEC, "~data_i[5] & ~data_i[4] & ~data_i[3] & big", "~data_i[4] & ~data_i[3] & big"),
+    Mistake("the_digit_behind_9_taken", CODEC, "data_i[4] & ~big", "data_i[4] & ~(big & nibble[2])"),
     Mistake("a_letter_is_worth_one_less", CODEC, "data_i[0] ^ letter};", "data_i[0]};"),
     Mistake("lrc_not_judged", CODEC, "(sum_q == 8'hFF) & ~wrong_q", "~wrong_q"),
     Mistake("wrong_characters_not_judged", CODEC, "(sum_q == 8'hFF) & ~wrong_q", "(sum_q == 8'hFF)"),
-    Mistake("half_a_byte_at_the_end_taken", CODEC, "is_cr ? half_q : ~(digit", "is_cr ? 1'b0 : ~(digit"),
+    Mistake("half_a_byte_at_the_end_taken", CODEC, "is_cr ? half_q : ~allowed", "is_cr ? 1'b0 : ~allowed"),
     Mistake("any_character_behind_cr_ends", CODEC, "cr_q ? ~ends :", "cr_q ? 1'b0 :"),
     Mistake("a_colon_inside_is_no_end", CODEC, "(heard & anew & any_q) | (end_q", "(end_q"),
     Mistake("an_empty_part_is_a_bad_frame", CODEC, "(heard & anew & any_q)", "(heard & anew)"),
@@ -39,7 +39,7 @@ MISTAKES = [
     Mistake("answer_without_its_colon", CODEC, "(valid_i & (began_q | ready_i))", "valid_i"),
     Mistake("lf_before_cr", CODEC, "cr_tx    = last_i & ~half_q;", "cr_tx    = last_i & half_q;"),
     Mistake("lrc_of_the_answer_before_one_is_added", CODEC, "if (fresh) sum_q <= 8'hFF;", "if (fresh) sum_q <= 8'h00;"),
-    Mistake("letters_sent_as_what_follows_9", CODEC, "ascii_i & began_q & ~last_i & nibble[3]", "1'b0 & nibble[3]"),
+    Mistake("letters_sent_as_what_follows_9", CODEC, "above_9  = ascii_i & began_q & ~last_i & big", "above_9  = 1'b0"),
     Mistake("eight_bits_in_seven_bit_mode", "modbus_line.v", "ascii & ~settings_i[`MB_SET_EIGHT_BITS]", "1'b0"),
     Mistake("the_eighth_bit_is_sent", "modbus_uart.v", "{2'd0, take & seven_i, take ^ seven_i}", "{3'd0, take}"),
     Mistake(
