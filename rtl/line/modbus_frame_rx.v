@@ -94,7 +94,7 @@ module modbus_frame_rx (
   wire reception = (state_q == ST_RECEPTION);
   wire full      = count_i[8];
   wire spoiled   = gap_q & ~gap_count_only_i;
-  wire is_short  = (count_i[8:2] == 7'd0);                  // below 4
+  wire is_short  = ((count_i & ~9'd3) == 9'd0);             // below 4
   wire broken    = parity_q | framing_q | long_q | spoiled | is_short;
   wire heard     = heard_q | start_stb_i;
   wire verdict   = reception & t35_i;

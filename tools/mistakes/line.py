@@ -111,7 +111,7 @@ MISTAKES = [
         "(gap_q | ((start_stb_i | ascii_i) & t15_i))",
         "((start_stb_i | ascii_i) ? t15_i : gap_q)",
     ),
-    Mistake("three_bytes_are_a_frame", "modbus_frame_rx.v", "(count_i[8:2] == 7'd0);", "(count_i < 9'd3);"),
+    Mistake("three_bytes_are_a_frame", "modbus_frame_rx.v", "((count_i & ~9'd3) == 9'd0);", "(count_i < 9'd3);"),
     Mistake(
         "frame_of_257_bytes_taken",
         "modbus_frame_rx.v",
