@@ -104,3 +104,8 @@ def test_tiers_and_workflows_call_make_targets_that_exist():
 def test_both_volumes_have_the_same_rows():
     assert volume.USUAL.keys() == volume.FULL.keys()
     assert all(volume.FULL[what] >= size for what, size in volume.USUAL.items())
+
+
+def test_the_night_has_a_job_for_each_stage():
+    text = (ROOT / ".github/workflows/nightly.yml").read_text(encoding="utf-8")
+    assert re.search(r"stage: \[(.*)\]", text)[1].split(", ") == list(nightly.STAGES)

@@ -141,6 +141,7 @@ module modbus_line #(
   wire        counts_silence = ascii & rx_active_o;
   wire [1:0]  extra          = settings_i[`MB_SET_ASCII_EXTRA];
   wire [15:0] timeout        = TICKS[15:0] | ({14'd0, extra} << EXTRA_AT);
+  // The verdict itself begins the wait: what modbus_frame_rx makes of it would be a long way to the bit clock.
   modbus_line_timer #(
     .MAX_BIT_TIME(MAX_BIT_TIME), .BIT_FRACTIONS(BIT_FRACTIONS), .T15_CLOCKS(T15_CLOCKS), .T35_CLOCKS(T35_CLOCKS),
     .TICK_BITS((ASCII_MODE != 0) ? TICK_BITS : 0)

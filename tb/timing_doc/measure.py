@@ -23,7 +23,8 @@ SECTIONS = (
     bus,
     host,
 )
-LONG = (spikes_and_mismatch, silences)  # half of the time; measured by `update.py` and with FULL=1
+# Half of the time, and their tables: measured by `update.py` and with FULL=1
+LONG = {spikes_and_mismatch: "spiked", silences: "silence"}
 
 
 def everything(lab, clock=None, but=()):

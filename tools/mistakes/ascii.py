@@ -24,9 +24,7 @@ MISTAKES = [
     Mistake(
         "time_out_forgotten", CODEC, "(end_q & (start_stb_i | ~rest_i)) | over;", "(end_q & (start_stb_i | ~rest_i));"
     ),
-    Mistake(
-        "a_late_frame_is_good", CODEC, "(wrong_q | (heard & misplaced) | over)", "(wrong_q | (heard & misplaced))"
-    ),
+    Mistake("a_late_frame_is_good", CODEC, "(wrong_q | (heard & misplaced) | over)", "(wrong_q | (heard & misplaced))"),
     Mistake("delimiter_kept_over_a_restart", CODEC, "if (restart_i || rst_i) delimiter_q", "if (rst_i) delimiter_q"),
     Mistake(
         "delimiter_cannot_be_a_colon",
