@@ -10,6 +10,7 @@ import sys
 
 import bitstream
 import pytest
+from conftest import FULL
 from harness.runner import ROOT, run, sources
 from system.board_pins import PINS
 
@@ -129,7 +130,8 @@ def test_top_compiles_without_a_message(tool, board):
 
 @pytest.mark.parametrize("board", BOARDS)
 def test_behaviour_at_the_pins(record_property, board):
-    run(record_property, "icarus", f"{board}_top", "system.board", SLOW)
+    sim = "icarus" if FULL or board == "hx8k" else "verilator"
+    run(record_property, sim, f"{board}_top", "system.board", SLOW)
 
 
 @pytest.mark.parametrize("board", ["", "nosuch", "arty_a7", "hx8k ulx3s", "../hx8k"])

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""Each module alone, in cocotb with Icarus: which module, with which parameters, by which tests."""
+"""Each module alone, in cocotb: which module, with which parameters, by which tests, in which simulator."""
 
 import pytest
+from conftest import FULL
 from harness.build import table_parameters
 from harness.runner import run
 from protocol.defs import Space
@@ -85,7 +86,15 @@ MODULES = {
 }
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_module(record_property, name):
+# Those that take Icarus long; it plays them with FULL=1.
+ON_VERILATOR = ("line", "line_filtered", "uart_receiving", "auto_line", "line_health", "example_units", "example_health")
+RUNS = [
+    *(("verilator", name) for name in ON_VERILATOR),
+    *(("icarus", name) for name in MODULES if FULL or name not in ON_VERILATOR),
+]
+
+
+@pytest.mark.parametrize("sim,name", RUNS, ids=[f"{sim}-{name}" for sim, name in RUNS])
+def test_module(record_property, sim, name):
     top, parameters, module = MODULES[name]
-    run(record_property, "icarus", top, module, parameters, own=f"module_{name}")
+    run(record_property, sim, top, module, parameters, own=f"module_{name}")

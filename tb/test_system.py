@@ -257,22 +257,18 @@ SUITES = {
     "pdm_meter_registers": (PDM, PDM_REGISTERS, "pdm_meter", "printed|random|other|record"),
     "pdm_meter_wide": (PDM, PDM_WIDE, "pdm_meter", "inputs|relays|settings|reset"),
 }
-# These share three builds of Verilator, some ten seconds each, and are played whole.
-ON_VERILATOR = (
-    "line_faults",
-    "speed",
-    "options",
-    "diagnostics_counters",
-    "diagnostics_modes",
-    "line_faults_floors",
-    "speed_floors",
-    "options_timeout",
-    "core_bus",
-    "core_files",
-    "vectors",
+# Played in Icarus alone: short, or about levels that are unknown.
+ON_ICARUS = (
+    *("power_up", "power_up_io", "power_up_short_05", "power_up_short_15", "smoke"),
+    *("vectors_984", "vectors_identity", "vectors_segments", "options_mapped", "core_checked_bus"),
+    *("drop_in_921600", "drop_in_8n2", "drop_in_io"),
+    *("identity_02", "identity_03", "identity_81", "identity_82", "identity_small", "identity_fits", "identity_below"),
+    *("fifo_whole", "left_out_no_files", "left_out_only_03", "left_out_only_03_used", "left_out_only_basic"),
+    *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
+    "left_out_without_diagnostics_used",
 )
-# Volume that needs nothing but the line, the host port and settings; other builds of the same suites stay on Icarus.
-# suite: regular expression of the tests, or None for all; Icarus then plays none of them unless FULL=1
+# Volume that needs nothing but the line, the host port and settings, without a simulator between: the fastest.
+# suite: regular expression of the tests, or None for all; Verilator plays the others
 ON_COMPILED = {
     "functions_mapped": None,
     "functions_small": None,
@@ -287,50 +283,29 @@ ON_COMPILED = {
     "ascii_mode": "^(?!.*(ends_the_frame|late_answers|breaks|reset_sets))",
     "ram_checked": None,
 }
-# What Icarus, which takes three times as long, still plays of the suites above, for unknown levels; all with FULL=1.
-# suite: regular expression of the tests, or None for none
-KEPT_BY_ICARUS = {
-    "line_faults": "after_reset|behind_reset.*8E1|defined|during_the_answer",
-    "speed": "jitter",
-    "core_bus": "reset_releases|in_order|second_range",
-    "core_files": "bank_waits/wait=1|stall_limit",
-    "vectors": "vector=[0-9]$",
-    "options": "while_idle|host_port_reaches|needs_no_memory",
-    "diagnostics_counters": "reset_clears|good_frame_counts",
-    "diagnostics_modes": "answers_at_once",
-    "line_faults_floors": None,
-    "speed_floors": None,
-    "options_timeout": None,
+REST_OF_COMPILED = {
     "host_inputs": "^(?!.*changes_its_mind)",
     "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed",
 }
-# Tests of further builds that say what those of other builds have said, left out unless FULL=1.
-PLAYED_ELSEWHERE = {
-    "options_mapped": "tearing|any_time",
-    "io_functions": "exceptions_come|write_quantity",
-    "io": "every_output",
-    "core_wide": "refusal|no_access|stall|past_65535|broadcast|late_bank|busy|reset",
-    "core_checked_bus": "longest_lists",
+# What Icarus, which takes ten times as long, plays beside Verilator, for unknown levels: regular expression of the tests.
+BESIDE_VERILATOR = {
+    "line_faults": "after_reset|behind_reset.*8E1|defined|during_the_answer",
+    "core_bus": "reset_releases|in_order|second_range",
+    "vectors": "vector=[0-9]$",
+    "diagnostics_modes": "answers_at_once",
 }
+ON_VERILATOR = [name for name in SUITES if name not in ON_ICARUS and name not in ON_COMPILED.keys() - REST_OF_COMPILED]
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
     *(("compiled", name) for name in ON_COMPILED),
-    *(("icarus", name) for name in SUITES if FULL or {**ON_COMPILED, **KEPT_BY_ICARUS}.get(name, "") is not None),
+    *(("icarus", name) for name in SUITES if FULL or name in ON_ICARUS or name in BESIDE_VERILATOR),
 ]
 
 
 def chosen(sim, suite):
-    """Regular expression of a suite's tests on a simulator."""
-    only = SUITES[suite][3] or ""
-    if sim == "compiled":
-        return ON_COMPILED[suite] or only or None
-    if sim != "icarus" or FULL:
-        return only or None
-    if suite in KEPT_BY_ICARUS:
-        return KEPT_BY_ICARUS[suite]
-    if suite in PLAYED_ELSEWHERE:
-        return f"^(?!.*({PLAYED_ELSEWHERE[suite]})).*({only.removeprefix('^')})"
-    return only or None
+    """Regular expression of a suite's tests on a simulator; Icarus plays all with FULL=1."""
+    parts = {"compiled": ON_COMPILED, "verilator": REST_OF_COMPILED, "icarus": {} if FULL else BESIDE_VERILATOR}
+    return parts[sim].get(suite) or SUITES[suite][3]
 
 
 @pytest.mark.parametrize("sim,suite", RUNS, ids=[f"{sim}-{name}" for sim, name in RUNS])

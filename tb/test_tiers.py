@@ -79,7 +79,7 @@ def test_quick_lints_what_differs():
     assert quick.to_lint({"rtl/line/modbus_crc16.v", "README.md"}) == ["modbus_crc16"]
     assert quick.to_lint({"rtl/include/modbus_defs.vh"}) == list(quick.TOPS), "every module includes it"
     assert quick.to_lint({"tb/README.md"}) == []
-    assert "tb/test_modules.py::test_module[crc16]" in quick.unit_tests({"rtl/line/modbus_crc16.v"})
+    assert "tb/test_modules.py::test_module[icarus-crc16]" in quick.unit_tests({"rtl/line/modbus_crc16.v"})
 
 
 def test_what_quick_runs_exists():

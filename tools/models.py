@@ -2,8 +2,8 @@
 # Copyright (c) 2026 the project contributors
 """Compiles a Verilog top with Verilator and puts it behind a C++ file: the one builder of compiled models.
 
-The live device (sim/serve.py), the random traffic (tb/differential), the shared line (tb/multidrop) and the
-measurements (tb/timing_doc) take their models from here.  What is built is kept in build/models under a name made
+The live device (sim/serve.py), the random traffic (tb/differential), the shared line (tb/multidrop), the
+measurements (tb/timing_doc) and cocotb (tb/harness/runner.py) take their models from here.  What is built is kept in build/models under a name made
 of the contents of everything that goes in, so a model is compiled once and a stale one is never taken.
 
 Needs Python's standard library only.
@@ -29,10 +29,14 @@ CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
 PREFIX = "Vmodel"  # class and header of every model, whatever its top
 OPTIMISE = "-O3"  # of the compiler
 VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
-COMPILE = ("g++", "-std=c++17", OPTIMISE, "-fPIC", "-faligned-new", "-w", *(f"-DVM_{name}=0" for name in
+COMPILE = ("g++", "-std=c++17", OPTIMISE, "-fPIC", "-faligned-new", "-w", "-pthread", *(f"-DVM_{name}=0" for name in
            ("COVERAGE", "SC", "TRACE", "TRACE_FST", "TRACE_VCD")))  # fmt: skip
-RUNTIME = ("verilated.cpp", "verilated_threads.cpp")  # of Verilator; the second in newer ones
+RUNTIME = ("verilated.cpp", "verilated_threads.cpp", "verilated_vpi.cpp", "verilated_dpi.cpp")  # of Verilator
+VPI_ONLY = RUNTIME[2:]  # what only a model with VPI needs; the second is in newer ones only
 NEWER = "fronts"  # folder of the Verilator that cocotb needs; models of the system's run twice as fast
+
+
+VPI = (*"--vpi --timescale 1ns/1ps".split(),)  # what cocotb wants of a model
 
 
 class BuildError(RuntimeError):
@@ -53,12 +57,17 @@ class Model:
     optimise: str = OPTIMISE  # of the model itself: -O0 compiles fastest
     others: Mapping[str, Path] = field(default_factory=dict)  # {top: its file} of more tops, each class V{top}
     headers: Sequence[Path] = ()  # folders of further C++ headers
+    prefix: str = PREFIX  # the model's class
+    vpi: Sequence[str] | None = None  # words for the linker: Verilog's VPI sees what the top declares, and `inside`
+    inside: Sequence[tuple[str, str]] = ()  # (module, name) of what it sees below the top
+    verilator: str | None = None  # the program; else `verilator()`
 
     def digest(self) -> str:
         """A name for the contents of everything that goes into the build."""
         settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
         settings += [self.optimise] if self.optimise != OPTIMISE else []  # names of earlier builds stay
         settings += [sorted(self.others)] if self.others else []
+        settings += [*self.vpi, *self.inside, self.prefix, self.verilator] if self.vpi is not None else []
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
         headers += [path for folder in (HEADERS, *self.headers) for path in sorted(folder.glob("*.h"))]
@@ -110,8 +119,8 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
 
 def _build(model: Model, folder: Path, target: Path) -> None:
     """Verilog to C++; that and the wrapper, as one text, which is half the work, to `target`."""
-    program = verilator()
-    tops = {PREFIX: (model.top, model.files, folder)}
+    program = model.verilator or verilator()
+    tops = {model.prefix: (model.top, model.files, folder)}
     tops |= {f"V{top}": (top, [file], folder / top) for top, file in model.others.items()}
     for prefix, (top, files, place) in tops.items():
         _run(
@@ -120,41 +129,75 @@ def _build(model: Model, folder: Path, target: Path) -> None:
                 *VERILATE.split()[1:],
                 *("--top-module", top, "--prefix", prefix, "--Mdir", str(place)),
                 *(f"-I{one}" for one in model.folders),
-                *(f"-G{name}={value}" for name, value in model.parameters.items() if prefix == PREFIX),
+                *(f"-G{name}={value}" for name, value in model.parameters.items() if prefix == model.prefix),
+                *(_visible(model, folder) if model.vpi is not None else ()),
                 *map(str, files),
             ],
             folder,
         )
     runtime = Path(_run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()) / "include"
+    vpi = model.vpi is not None
+    compile_with = [model.optimise if word == OPTIMISE else word for word in COMPILE]
+    own = (f"-I{runtime}", f"-I{runtime / 'vltstd'}")
     texts = [*sorted(folder.glob("**/*.cpp")), model.wrapper.resolve()]
     unit = folder / "unit.cc"
     unit.write_text("".join(f'#include "{path}"\n' for path in texts), encoding="utf-8")
-    places = (*(place for _, _, place in tops.values()), HEADERS, *model.headers, runtime, runtime / "vltstd")
+    places = (*(place for _, _, place in tops.values()), HEADERS, *model.headers)
     _run(
         [
-            *(model.optimise if word == OPTIMISE else word for word in COMPILE),
+            *compile_with,
             *(["-shared"] if model.shared else []),
+            *_header([*compile_with, *own], runtime, folder, make=model.shared or vpi),
             *(f"-D{name}={value}" for name, value in model.defines.items()),
             *(f"-I{place}" for place in places),
-            *(str(unit), *_runtime(runtime, folder), "-o", str(target), "-pthread"),
+            *(*own, str(unit), *_runtime(compile_with if vpi else COMPILE, own, runtime, folder, vpi)),
+            *(*(model.vpi or ()), "-o", str(target)),
         ],
         folder,
     )
 
 
-def _runtime(include: Path, folder: Path) -> list[str]:
+def _visible(model: Model, folder: Path) -> list[str]:
+    """Verilator's words for what VPI sees of a model. All of it would make the code three times as long."""
+    seen = [(model.top, "*"), *model.inside]
+    rule = folder / "visible.vlt"
+    lines = ["`verilator_config", *(f'public_flat_rw -module "{module}" -var "{name}"' for module, name in seen)]
+    rule.write_text("\n".join(lines) + "\n", encoding="ascii")
+    return [*VPI, str(rule)]
+
+
+def _runtime(compile_with: Sequence[str], own: Sequence[str], include: Path, folder: Path, vpi: bool) -> list[str]:
     """Verilator's own objects, compiled once for all models beside `folder`."""
-    texts = [include / name for name in RUNTIME if (include / name).exists()]
-    key = hashlib.sha256(b"".join(path.read_bytes() for path in texts) + " ".join(COMPILE).encode()).hexdigest()[:16]
-    made = [folder.parent / f"runtime_{key}_{path.stem}.o" for path in texts]
+    texts = [include / name for name in RUNTIME if (include / name).exists() and (vpi or name not in VPI_ONLY)]
+    return [str(_once([*compile_with, *own, "-c"], text, f"{text.stem}.o", folder)) for text in texts]
+
+
+def _header(compile_with: Sequence[str], include: Path, folder: Path, make: bool) -> list[str]:
+    """Words that put Verilator's headers, which cost more than most models, before the text, compiled once for all.
+
+    With `make` false they are taken only if they are there: who builds one program would wait longer with them.
+    """
+    names = [name for name in ("verilated.h", "verilated_vpi.h") if (include / name).exists()]
+    text = folder / "verilator.h"
+    text.write_text("".join(f"#include <{name}>\n" for name in names), encoding="ascii")
+    made = _once([*compile_with, "-x", "c++-header"], text, "verilator.h.gch", folder, make)
+    plain = made.with_suffix("")  # g++ looks for NAME.gch beside it
+    if made.exists() and not plain.exists():
+        os.replace(text, plain)
+    return ["-include", str(plain)] if made.exists() else []
+
+
+def _once(command: Sequence[str], text: Path, name: str, folder: Path, make: bool = True) -> Path:
+    """Where `text` compiled by `command` is, beside `folder`; made now, if `make`, unless that was done before."""
+    key = hashlib.sha256(" ".join(command).encode() + text.read_bytes()).hexdigest()[:16]
+    made = folder.parent / f"runtime_{key}_{name}"
     with open(folder.parent / f"runtime_{key}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        for text, target in zip(texts, made, strict=True):
-            if not target.exists():
-                fresh = folder / target.name
-                _run([*COMPILE, f"-I{include}", f"-I{include / 'vltstd'}", "-c", str(text), "-o", str(fresh)], folder)
-                os.replace(fresh, target)
-    return [str(path) for path in made]
+        if make and not made.exists():
+            fresh = folder / made.name
+            _run([*command, str(text), "-o", str(fresh)], folder)
+            os.replace(fresh, made)
+    return made
 
 
 def _compiler_cache(environment: Mapping[str, str], place: Path) -> dict[str, str]:

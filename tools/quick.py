@@ -20,7 +20,7 @@ from common import ROOT, all_files
 ALWAYS = [
     *(f"tb/test_{name}.py" for name in ("model", "model_functions", "model_diagnostics", "mistakes", "formal")),
     "tb/test_conformance.py",
-    *(f"tb/test_system.py::test_system[icarus-{suite}]" for suite in ("smoke", "smoke_io", "power_up")),
+    *(f"tb/test_system.py::test_system[icarus-{suite}]" for suite in ("smoke", "power_up", "power_up_io")),
 ]
 MOST_MODULES = 12  # linted; after that the tops alone, which hold all the others
 TOPS = ("modbus_rtu_slave", "modbus_rtu_slave_io")
@@ -56,8 +56,9 @@ def unit_tests(files: set[str]) -> list[str]:
 
     names = {Path(name).stem for name in files if name.endswith((".v", ".py"))}
     suites = test_modules.MODULES.items()
+    played = {name: sim for sim, name in reversed(test_modules.RUNS)}
     chosen = [suite for suite, (top, _, module) in suites if {top, module.rsplit(".", 1)[-1]} & names]
-    return [f"tb/test_modules.py::test_module[{suite}]" for suite in chosen]
+    return [f"tb/test_modules.py::test_module[{played[suite]}-{suite}]" for suite in chosen]
 
 
 def main() -> int:
