@@ -453,7 +453,7 @@ class Device {
   // ------------------------------------------------------------------ what the core says
 
   void strobes(Slave &slave) {
-    const Vmodel &pins = slave.pins();
+    const Pins &pins = slave.pins();
     if (!pins.write_stb_o || !logging()) return;
     control_.event(Json().add("event", "write").add("slave", slave.address()).add("space", unsigned(pins.write_space_o))
                        .add("first", unsigned(pins.write_first_o)).add("last", unsigned(pins.write_last_o))
@@ -674,7 +674,7 @@ class Device {
       return name + ": must be a number from 0 to " + std::to_string(most.at(name));
     for (auto &slave : slaves_) {
       if (only && slave.get() != only) continue;
-      Vmodel &pins = slave->pins();
+      Pins &pins = slave->pins();
       if (name == "exception_status") pins.exception_status_i = value;
       if (name == "busy") pins.busy_i = value;
       if (name == "failure") pins.failure_i = value;
@@ -693,7 +693,7 @@ class Device {
   }
 
   std::string get(const std::string &id, Slave &slave) {
-    const Vmodel &pins = slave.pins();
+    const Pins &pins = slave.pins();
     control_.reply(Json().raw("id", id).add("exception_status", unsigned(pins.exception_status_i))
                        .add("busy", unsigned(pins.busy_i)).add("failure", unsigned(pins.failure_i))
                        .add("run_indicator", unsigned(pins.run_indicator_i))
@@ -832,7 +832,7 @@ class Device {
 
   void reset_slaves() {
     for (auto &slave : slaves_) {
-      Vmodel &pins = slave->pins();
+      Pins &pins = slave->pins();
       pins.rxd_i = 1;
       pins.address_i = slave->address();
       pins.bit_time_i = options_.bit_time;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "line.h"
-#include "model.h"
+#include "pins.h"
 
 // Names of the strobes of events_o, from bit 0 on.
 constexpr std::array<const char *, 8> kEvents = {"frame", "parity", "framing", "overrun",
@@ -33,16 +33,15 @@ class Slave {
  public:
   Slave(unsigned address, CharacterFormat format, unsigned bit_time)
       : address_(address), monitor_(format, bit_time) {}
-  ~Slave() { top_.final(); }
 
-  Vmodel &pins() { return top_; }
-  const Vmodel &pins() const { return top_; }
+  Pins &pins() { return *top_; }
+  const Pins &pins() const { return *top_; }
   LineMonitor &monitor() { return monitor_; }
   unsigned address() const { return address_; }
-  bool working() const { return !top_.idle_o && !receiving(); }
+  bool working() const { return !top_->idle_o && !receiving(); }
   // Inside a frame of ASCII mode, which may be silent for long
-  bool receiving() const { return top_.ascii_i && top_.rx_active_o; }
-  bool driving() const { return top_.de_o; }
+  bool receiving() const { return top_->ascii_i && top_->rx_active_o; }
+  bool driving() const { return top_->de_o; }
 
   // Strobes since the last request was judged, and all of them counted.
   unsigned strobes = 0;
@@ -50,37 +49,37 @@ class Slave {
 
   // One clock. True if something came at the ports that counts: a strobe of the core, a write.
   bool clock(bool rxd) {
-    top_.rxd_i = rxd;
-    cycle(top_);
-    if (!top_.events_o) return top_.write_stb_o;
-    strobes |= top_.events_o;
-    for (unsigned i = 0; i < counts.size(); ++i) counts[i] += top_.events_o >> i & 1;
+    top_->rxd_i = rxd;
+    top_->cycle();
+    if (!top_->events_o) return top_->write_stb_o;
+    strobes |= top_->events_o;
+    for (unsigned i = 0; i < counts.size(); ++i) counts[i] += top_->events_o >> i & 1;
     return true;
   }
 
   // Shows the next beat of an access at the host port; takes the last one, which this clock has answered.
   void step(HostAccess &access) {
-    if (top_.host_cyc_i && (top_.host_ack_o || top_.host_err_o)) {
-      access.refused = top_.host_err_o;
+    if (top_->host_cyc_i && (top_->host_ack_o || top_->host_err_o)) {
+      access.refused = top_->host_err_o;
       if (!access.refused) {
-        if (!access.write) access.values.push_back(top_.host_dat_o);
+        if (!access.write) access.values.push_back(top_->host_dat_o);
         ++access.done;
       }
       access.waited = 0;
-    } else if (top_.host_cyc_i && ++access.waited > LONGEST_WAIT) {
+    } else if (top_->host_cyc_i && ++access.waited > LONGEST_WAIT) {
       access.refused = true;
     }
     const bool more = !access.finished();
-    top_.host_cyc_i = top_.host_stb_i = more;
-    top_.host_we_i = more && access.write;
+    top_->host_cyc_i = top_->host_stb_i = more;
+    top_->host_we_i = more && access.write;
     if (!more) return;
-    top_.host_adr_i = access.addresses[access.done];
-    if (access.write) top_.host_dat_i = access.values[access.done];
+    top_->host_adr_i = access.addresses[access.done];
+    if (access.write) top_->host_dat_i = access.values[access.done];
   }
 
  private:
   static constexpr unsigned LONGEST_WAIT = 100000;  // clocks
   unsigned address_;
-  Vmodel top_;
+  std::unique_ptr<Pins> top_ = new_device();
   LineMonitor monitor_;
 };

@@ -87,14 +87,16 @@ MODULES = {
 
 
 # Those that take Icarus long; it plays them with FULL=1.
-ON_VERILATOR = ("line", "line_filtered", "uart_receiving", "auto_line", "line_health", "example_units", "example_health")
+ON_VERILATOR = (
+    *("line", "line_filtered", "uart_receiving", "auto_line", "line_health", "example_units", "example_health"),
+)
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
     *(("icarus", name) for name in MODULES if FULL or name not in ON_VERILATOR),
 ]
 
 
-@pytest.mark.parametrize("sim,name", RUNS, ids=[f"{sim}-{name}" for sim, name in RUNS])
+@pytest.mark.parametrize("sim,name", RUNS, ids=["-".join(one) for one in RUNS])
 def test_module(record_property, sim, name):
     top, parameters, module = MODULES[name]
     run(record_property, sim, top, module, parameters, own=f"module_{name}")

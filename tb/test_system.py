@@ -260,8 +260,7 @@ SUITES = {
 # Played in Icarus alone: short, or about levels that are unknown.
 ON_ICARUS = (
     *("power_up", "power_up_io", "power_up_short_05", "power_up_short_15", "smoke"),
-    *("vectors_984", "vectors_identity", "vectors_segments", "options_mapped", "core_checked_bus"),
-    *("drop_in_921600", "drop_in_8n2", "drop_in_io"),
+    *("vectors_984", "vectors_identity", "vectors_segments", "drop_in_921600", "drop_in_8n2"),
     *("identity_02", "identity_03", "identity_81", "identity_82", "identity_small", "identity_fits", "identity_below"),
     *("fifo_whole", "left_out_no_files", "left_out_only_03", "left_out_only_03_used", "left_out_only_basic"),
     *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
@@ -287,7 +286,7 @@ REST_OF_COMPILED = {
     "host_inputs": "^(?!.*changes_its_mind)",
     "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed",
 }
-# What Icarus, which takes ten times as long, plays beside Verilator, for unknown levels: regular expression of the tests.
+# What Icarus, which takes ten times as long, plays beside Verilator, for unknown levels: suite: regular expression.
 BESIDE_VERILATOR = {
     "line_faults": "after_reset|behind_reset.*8E1|defined|during_the_answer",
     "core_bus": "reset_releases|in_order|second_range",

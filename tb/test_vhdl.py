@@ -204,7 +204,8 @@ def test_top_works(record_property, top):
     stands_for, module, parameters = TOPS[top]
     made = verilog_of(top, TB / "vhdl" / f"{top}.vhd")
     sim = "icarus" if FULL or top == "vhdl_io" else "verilator"
-    run(record_property, sim, top, f"system.{module}", parameters, {"BENCH_TOP": stands_for}, own=f"of_{top}", made=made)
+    env = {"BENCH_TOP": stands_for}
+    run(record_property, sim, top, f"system.{module}", parameters, env, own=f"of_{top}", made=made)
 
 
 BLOCKS = re.findall(r"^```vhdl\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)

@@ -3,8 +3,9 @@
 """Compiles a Verilog top with Verilator and puts it behind a C++ file: the one builder of compiled models.
 
 The live device (sim/serve.py), the random traffic (tb/differential), the shared line (tb/multidrop), the
-measurements (tb/timing_doc) and cocotb (tb/harness/runner.py) take their models from here.  What is built is kept in build/models under a name made
-of the contents of everything that goes in, so a model is compiled once and a stale one is never taken.
+measurements (tb/timing_doc) and cocotb (tb/harness/runner.py) take their models from here.  What is built is kept in
+build/models under a name made of the contents of everything that goes in, so a model is compiled once and a stale one
+is never taken.
 
 Needs Python's standard library only.
 """
@@ -57,6 +58,7 @@ class Model:
     optimise: str = OPTIMISE  # of the model itself: -O0 compiles fastest
     others: Mapping[str, Path] = field(default_factory=dict)  # {top: its file} of more tops, each class V{top}
     headers: Sequence[Path] = ()  # folders of further C++ headers
+    apart: Path | None = None  # a C++ file that knows no model: compiled once for all that have it
     prefix: str = PREFIX  # the model's class
     vpi: Sequence[str] | None = None  # words for the linker: Verilog's VPI sees what the top declares, and `inside`
     inside: Sequence[tuple[str, str]] = ()  # (module, name) of what it sees below the top
@@ -70,11 +72,15 @@ class Model:
         settings += [*self.vpi, *self.inside, self.prefix, self.verilator] if self.vpi is not None else []
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
-        headers += [path for folder in (HEADERS, *self.headers) for path in sorted(folder.glob("*.h"))]
-        for path in (*self.files, *self.others.values(), *headers, self.wrapper, Path(__file__)):
+        texts = [*self.files, *self.others.values(), *headers, *self.own_headers(), self.wrapper, Path(__file__)]
+        for path in texts + ([self.apart] if self.apart else []):
             out.update(f"{Path(path).name}\n".encode())
             out.update(Path(path).read_bytes())
         return out.hexdigest()[:16]
+
+    def own_headers(self) -> list[Path]:
+        """The headers that its C++ files may include."""
+        return [path for folder in (HEADERS, *self.headers) for path in sorted(folder.glob("*.h"))]
 
 
 def verilator() -> str:
@@ -151,6 +157,7 @@ def _build(model: Model, folder: Path, target: Path) -> None:
             *(f"-D{name}={value}" for name, value in model.defines.items()),
             *(f"-I{place}" for place in places),
             *(*own, str(unit), *_runtime(compile_with if vpi else COMPILE, own, runtime, folder, vpi)),
+            *(_apart(model, compile_with, folder) if model.apart else ()),
             *(*(model.vpi or ()), "-o", str(target)),
         ],
         folder,
@@ -172,6 +179,12 @@ def _runtime(compile_with: Sequence[str], own: Sequence[str], include: Path, fol
     return [str(_once([*compile_with, *own, "-c"], text, f"{text.stem}.o", folder)) for text in texts]
 
 
+def _apart(model: Model, compile_with: Sequence[str], folder: Path) -> list[str]:
+    """The object of the file that knows no model."""
+    command = [*compile_with, *(f"-I{place}" for place in (HEADERS, *model.headers)), "-c"]
+    return [str(_once(command, model.apart, f"{model.apart.stem}.o", folder, others=model.own_headers()))]
+
+
 def _header(compile_with: Sequence[str], include: Path, folder: Path, make: bool) -> list[str]:
     """Words that put Verilator's headers, which cost more than most models, before the text, compiled once for all.
 
@@ -187,9 +200,15 @@ def _header(compile_with: Sequence[str], include: Path, folder: Path, make: bool
     return ["-include", str(plain)] if made.exists() else []
 
 
-def _once(command: Sequence[str], text: Path, name: str, folder: Path, make: bool = True) -> Path:
-    """Where `text` compiled by `command` is, beside `folder`; made now, if `make`, unless that was done before."""
-    key = hashlib.sha256(" ".join(command).encode() + text.read_bytes()).hexdigest()[:16]
+def _once(
+    command: Sequence[str], text: Path, name: str, folder: Path, make: bool = True, others: Sequence[Path] = ()
+) -> Path:
+    """Where `text`, which includes `others`, is compiled by `command`, beside `folder`.
+
+    Made now, if `make`, unless that was done before.
+    """
+    contents = b"".join(path.read_bytes() for path in (text, *others))
+    key = hashlib.sha256(" ".join(command).encode() + contents).hexdigest()[:16]
     made = folder.parent / f"runtime_{key}_{name}"
     with open(folder.parent / f"runtime_{key}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)

@@ -41,6 +41,9 @@ INSIDE = (
     ("slave_bench", "wb_cyc"),
     ("modbus_board", "*seconds_q"),
 )
+# pytest's rewriting of assertions takes a second a simulation; COCOTB_REWRITE_ASSERTION_FILES="*.py" brings it back.
+REWRITE = "COCOTB_REWRITE_ASSERTION_FILES"
+PLAIN_ASSERTIONS = {REWRITE: os.environ.get(REWRITE, "")}
 BOARD_TOP = "_top"  # how the tops of constraints/ end
 VERILATOR_MINIMUM = (5, 36)  # what cocotb 2 needs
 
@@ -223,6 +226,7 @@ def _run(record_property, sim, top, modules, parameters, env, only, own, netlist
         "BENCH_PARAMETERS": json.dumps(parameters),
         "BENCH_PORTS_ONLY": "1" if netlist else "",
         "COCOTB_LOG_LEVEL": os.environ.get("COCOTB_LOG_LEVEL", "WARNING"),
+        **PLAIN_ASSERTIONS,
         **(env or {}),
     }
     case = os.environ.get("CASE") or only

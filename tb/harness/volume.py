@@ -5,18 +5,18 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 5_000,
+    "random requests on the compiled slave": 3_000,
     "random requests on 32 compiled slaves": 150,
-    "bits at every alignment": 800,
+    "bits at every alignment": 400,
     "random requests in a simulator": 15,
     "random requests to the power meter": 20,
     "random writes to overlaid tables": 6,
     "blocks rewritten beside a reading CPU": 5,
     "requests beside a reading CPU": 3,
-    "slaves on one line in a simulator": 4,
-    "requests to them": 6,
+    "slaves on one line in a simulator": 3,
+    "requests to them": 5,
     "blocks written to flat vectors": 2,
-    "percent of the sets of parameters in Verilator": 25,
+    "percent of the sets of parameters in Verilator": 10,
     "suites on gates": 0,
     "builds on gates": 2,
     "random maps": 60,

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 from conftest import FULL
-from harness.runner import PRODUCTS, ROOT, fresh_verilator, same_environment, simulator
+from harness.runner import PLAIN_ASSERTIONS, PRODUCTS, ROOT, fresh_verilator, same_environment, simulator
 from harness.volume import volume
 from modbus_map.checks import compile_source, load_device
 from modbus_map.loader import parse
@@ -63,7 +63,7 @@ def bench_of(device, place, change=lambda text: text, case=""):
     for name, text in {**verilog.generate(device), **testbench.generate(device)}.items():
         (folder / name).write_text(change(text) if name == f"{device.name}.v" else text, encoding="utf-8")
     paths = os.pathsep.join([str(ROOT / "tools"), environment["PYTHONPATH"]])
-    settings = {"MODBUS_RTU": str(ROOT), "SIM": sim, "PYTHONPATH": paths, **({"COCOTB_TEST_FILTER": rf"\.{case}$"} if case else {})}
+    settings = {"MODBUS_RTU": str(ROOT), "SIM": sim, "PYTHONPATH": paths, **PLAIN_ASSERTIONS, **({"COCOTB_TEST_FILTER": rf"\.{case}$"} if case else {})}
     done = subprocess.run(
         [sys.executable, *(["-c", FAST] if sim == "verilator" else []), f"test_{device.name}.py"], cwd=folder, env={**environment, **settings}, capture_output=True,
         text=True, check=False,
