@@ -38,6 +38,7 @@ TREES = ("rtl", "examples")  # where the Verilog is
 COMPILER = "tools/modbus_map"  # the map compiler; its tests run in a copy of the whole checkout
 NO_COPY = ("build", "__pycache__", ".*", "*.pyc")
 WORK = ROOT / "build" / "mistakes"
+RUNTIME = ROOT / "build" / "models"  # what all compiled models share stays
 TABLE = ROOT / "docs" / "mistakes.md"
 WORKERS = min(2, os.cpu_count() or 1)
 TIMEOUT_SECONDS = 900
@@ -179,6 +180,16 @@ def suite_of(name):
     return None
 
 
+def simulator_of(suite):
+    """What plays a suite fastest."""
+    import test_buses
+    import test_modules
+    import test_system
+
+    fast = {*test_buses.ON_VERILATOR, *test_modules.ON_VERILATOR, *test_system.SUITES.keys() - test_system.ON_ICARUS}
+    return "verilator" if suite in fast else "icarus"
+
+
 def simulated(suite, only, number, only_tests=False):
     """Failed tests of a suite; an accident counts as one, unless `only_tests`."""
     from harness.runner import run
@@ -186,10 +197,10 @@ def simulated(suite, only, number, only_tests=False):
     if suite_of(suite) is None:
         return []
     top, parameters, module, whole = suite_of(suite)
-    recorded = {}
+    sim, recorded = simulator_of(suite), {}
     try:
         with contextlib.redirect_stdout(io.StringIO()):
-            run(recorded.__setitem__, "icarus", top, module, parameters, only=only or whole, own=f"{number}_{suite}")
+            run(recorded.__setitem__, sim, top, module, parameters, only=only or whole, own=f"{number}_{suite}")
     except BaseException as problem:  # pytest's outcomes are no Exceptions
         tests = [t.split(".", 2)[-1] for t, ok in recorded.get("cocotb", []) if not ok]
         accident = [] if only_tests else [f"{suite}: {str(problem).splitlines()[0]}"]
@@ -227,7 +238,7 @@ def compiled(count):
 def judged(name, *task):
     """(failed tests, or None for an accident; seconds) of the copy `name`; `task` are the arguments of a judge."""
     folder = WORK / name
-    places_of = {"TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build")}
+    places_of = {"TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build"), "MODELS_RUNTIME": str(RUNTIME)}
     env = {**os.environ, **places_of, "COCOTB_LOG_LEVEL": "ERROR"}
     for variable in ("WAVES", "CASE", "FULL"):
         env.pop(variable, None)
