@@ -197,7 +197,7 @@ SUITES = {
     "functions_limited": (SLAVE, LIMITED, "functions", "limits|read_write"),
     "options": (SLAVE, FAST, "options", None),
     "options_timeout": (SLAVE, SLOW_CLOCK, "options", "alive|delay"),
-    "options_mapped": (SLAVE, MAPPED, "options", "host"),
+    "options_mapped": (SLAVE, MAPPED, "options", "host" if FULL else "host_port_reaches|core_waits"),
     "host_inputs": (SLAVE, FAST, "host_inputs", None),
     "overlay": (SLAVE, OVERLAID, "overlay", None),
     "speed": (SLAVE, FAST, "speed", "^(?!.*19200)"),
@@ -266,6 +266,11 @@ ON_ICARUS = (
     *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
     "left_out_without_diagnostics_used",
 )
+# Builds that leave out a code as others do: played with FULL=1 only.
+LIKE_OTHERS = (
+    *(f"left_out_without_{code:02X}" for code in (0x07, 0x0B, 0x0C, 0x11, 0x15, 0x18)),
+    *("left_out_only_basic", "left_out_without_diagnostics_used"),
+)
 # Volume that needs nothing but the line, the host port and settings, without a simulator between: the fastest.
 # suite: regular expression of the tests, or None for all; Verilator plays the others
 ON_COMPILED = {
@@ -297,7 +302,7 @@ ON_VERILATOR = [name for name in SUITES if name not in ON_ICARUS and name not in
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
     *(("compiled", name) for name in ON_COMPILED),
-    *(("icarus", name) for name in SUITES if FULL or name in ON_ICARUS or name in BESIDE_VERILATOR),
+    *(("icarus", name) for name in SUITES if FULL or name in {*ON_ICARUS, *BESIDE_VERILATOR}.difference(LIKE_OTHERS)),
 ]
 
 

@@ -13,8 +13,10 @@ docs/boards.md.  Exit 2: no such board.
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -155,15 +157,17 @@ def main() -> int:
         print(f"bitstream: {what}; BOARD= one of {' '.join(BOARDS)} all", file=sys.stderr)
         return 2
     failed = 0
-    for name in BOARDS if chosen == "all" else [chosen]:
-        try:
-            line, figures = build(name)
-            print(line, flush=True)
-            if "--update" in sys.argv[2:]:
-                update(name, figures)
-        except ToolError as error:
-            failed += 1
-            print(f"bitstream: {name} failed: {error}", file=sys.stderr)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        made = {name: pool.submit(build, name) for name in (BOARDS if chosen == "all" else [chosen])}
+        for name, future in made.items():
+            try:
+                line, figures = future.result()
+                print(line, flush=True)
+                if "--update" in sys.argv[2:]:
+                    update(name, figures)
+            except ToolError as error:
+                failed += 1
+                print(f"bitstream: {name} failed: {error}", file=sys.stderr)
     return 1 if failed else 0
 
 

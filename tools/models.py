@@ -174,7 +174,7 @@ def _visible(model: Model, folder: Path) -> list[str]:
 
 
 def _runtime(compile_with: Sequence[str], own: Sequence[str], include: Path, folder: Path, vpi: bool) -> list[str]:
-    """Verilator's own objects, compiled once for all models beside `folder`."""
+    """Verilator's own objects, compiled once for all models."""
     texts = [include / name for name in RUNTIME if (include / name).exists() and (vpi or name not in VPI_ONLY)]
     return [str(_once([*compile_with, *own, "-c"], text, f"{text.stem}.o", folder)) for text in texts]
 
@@ -203,14 +203,16 @@ def _header(compile_with: Sequence[str], include: Path, folder: Path, make: bool
 def _once(
     command: Sequence[str], text: Path, name: str, folder: Path, make: bool = True, others: Sequence[Path] = ()
 ) -> Path:
-    """Where `text`, which includes `others`, is compiled by `command`, beside `folder`.
+    """Where `text`, which includes `others`, is compiled by `command`: beside `folder`, or in MODELS_RUNTIME.
 
     Made now, if `make`, unless that was done before.
     """
     contents = b"".join(path.read_bytes() for path in (text, *others))
     key = hashlib.sha256(" ".join(command).encode() + contents).hexdigest()[:16]
-    made = folder.parent / f"runtime_{key}_{name}"
-    with open(folder.parent / f"runtime_{key}.lock", "w") as lock:
+    place = Path(os.environ.get("MODELS_RUNTIME", folder.parent))
+    place.mkdir(parents=True, exist_ok=True)
+    made = place / f"runtime_{key}_{name}"
+    with open(place / f"runtime_{key}.lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if make and not made.exists():
             fresh = folder / made.name

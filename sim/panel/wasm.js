@@ -374,7 +374,7 @@ const Wasm = (() => {
     device: (d) => ({
       name: "modbus_rtu_slave in this page", device: "standard", link: "", address: d.line.address, baud: d.line.baud, format: FORMATS[d.line.format],
       clock_hz: CLOCK_HZ, bit_time: d.bitTime, t15: d.t15, t35: d.t35, tables: TABLES, files: FILES, points: [],
-      features: { send: true, line: true, signals: false, capture: false },
+      features: { send: true, line: true, signals: false, capture: false, state: [...Object.keys(d.state), "diagnostic"] },
     }),
     frames: (d, { after = 0, limit = 200 }) => ({
       frames: d.frames.filter((f) => f.n > after).slice(-limit).map((f) => d.row(f)),

@@ -22,6 +22,7 @@ NAMES = {space: name for name, space in SPACES.items()}
 BIT_TABLES = ("coils", "discretes")
 FORMATS = ("8E1", "8O1", "8N2", "8N1")
 STATE = ("exception_status", "busy", "failure", "run_indicator", "write_lock", "diagnostic")
+STATE_OF = {"pdm": ("busy",)}  # device: the inputs that it has for these, if not all; one of a map has none
 BLOCK = 2048  # items of one read
 TICK_S = 0.05  # of the values that move
 MOST_SIGNALS = 500
@@ -59,6 +60,7 @@ class Device:
         self.tables = {name: tuple(facts["tables"][name]) for name in SPACES if name in facts["tables"]}
         self.files = tuple(facts.get("files") or (0, 1))
         self.points = maps.of_map(facts.get("map"))
+        self.inputs = () if self.points else STATE_OF.get(facts.get("device"), STATE)
         present = f"this one is {self.slaves[0]}" if len(self.slaves) == 1 else f"there are {self.addresses()}"
         self.ascii = self.hello.get("mode") == "ascii"
         data_bits = self.hello.get("data_bits", 8)
@@ -202,7 +204,7 @@ class Device:
             "tables": {} if self.points else self.tables,
             "files": [0, 1] if self.points else self.files,
             "points": [point.facts() for point in self.points.values()],
-            "features": {"send": True, "line": False, "signals": True, "capture": True},
+            "features": {"send": True, "line": False, "signals": True, "capture": True, "state": list(self.inputs)},
         }
 
     async def read(self, table: str, first: int, count: int = 1, slave: int | None = None) -> dict[str, Any]:
@@ -311,12 +313,17 @@ class Device:
     async def state(self, slave: int | None = None) -> dict[str, Any]:
         """Exception status, busy and the others."""
         got = await self.ask("get", self.slave(slave))
-        return {name: value for name, value in got.items() if name != "id"}
+        absent = {"id", *STATE}.difference(self.inputs)
+        return {name: value for name, value in got.items() if name not in absent}
 
     async def set_state(self, slave: int | None = None, **changes: int) -> dict[str, Any]:
         """Change some of them."""
+        there = f"there are {', '.join(self.inputs)}" if self.inputs else "this device has no inputs for its state"
         if not changes:
-            raise Refused(f"nothing to change; there are {', '.join(STATE)}")
+            raise Refused(f"nothing to change; {there}")
+        for name in changes:
+            if name not in self.inputs:
+                raise Refused(f"{name}: {there}")
         address = self.slave(slave)
         for name, value in changes.items():
             await self.ask("set", address, name, value)

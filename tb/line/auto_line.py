@@ -22,8 +22,8 @@ class Line:
     async def clock(self, count=1):
         for _ in range(count):
             await clocks(self.dut)
-            await settle()
             self.out.append(int(self.dut.rxd_o.value))
+        await settle()
 
     async def send(self, frame, bit, fmt, silence=40):
         """A frame with whole clocks a bit, and so many bits of silence."""
@@ -212,6 +212,21 @@ async def own_answer_is_not_recorded(dut):
     dut.de_i.value = 0
     await line.work(30000)
     assert not line.found()[0] and set(line.out) == {1}
+
+
+@cocotb.test()
+async def driving_ends_what_is_played(dut):
+    """The core answers something else: it must not hear the rest of a frame that it did not get from the line."""
+    line = await begin(dut)
+    await line.send(FRAME, 52, FORMATS[0], 12)
+    while 0 not in line.out[-500:]:
+        await line.clock(100)
+    dut.de_i.value = 1
+    await line.clock(5)
+    dut.de_i.value = 0
+    line.out.clear()
+    await line.clock(20000)
+    assert set(line.out) == {1}, "played on"
 
 
 @cocotb.test()

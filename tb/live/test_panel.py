@@ -253,3 +253,19 @@ def test_points_of_a_map(chromium, tmp_path):
         assert made.client["temperature"] == 23.5
         with pytest.raises(LiveError):
             made.client["limit"] = 1
+        assert not panel.is_visible("#state-form"), "a switch that does nothing"
+        assert panel.inner_text("#lights") == "connected" and "diagnostic" not in panel.inner_text("#facts")
+        with pytest.raises(LiveError, match="busy: this device has no inputs"):
+            made.client.state(busy=1)
+
+
+def test_meter_has_the_switches_that_do_something(chromium, tmp_path):
+    with Device(tmp_path, DEVICE="pdm") as made, page(chromium, made.url) as panel:
+        panel.wait_for_selector("#state-form :text('busy')")
+        shown = panel.eval_on_selector_all("#state-form label", "all => all.filter((l) => !l.hidden).length")
+        assert shown == 1
+        panel.check("#state-form [name=busy]")
+        panel.wait_for_selector("#lights :text('busy')")
+        assert made.client.state()["busy"] == 1
+        with pytest.raises(LiveError, match="failure: there are busy"):
+            made.client.state(failure=4)

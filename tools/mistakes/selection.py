@@ -10,6 +10,9 @@ COMPILED = "random traffic"
 MODULES_ALONE = {
     "crc16": ("modbus_crc16.v",),
     "bit_clock": ("modbus_bit_clock.v",),
+    "bit_clock_fractions": ("modbus_bit_clock.v",),
+    "glitch_filter": ("modbus_glitch_filter.v",),
+    "uart_receiving": ("modbus_uart.v",),
     "uart_sending": ("modbus_uart.v", "modbus_crc16.v"),
     "line_timer_characters": ("modbus_line_timer.v",),
     "line_waits": ("modbus_line_timer.v",),
@@ -18,6 +21,10 @@ MODULES_ALONE = {
     "line": ("modbus_line.v", "modbus_frame_rx.v", "modbus_frame_tx.v", "modbus_line_timer.v", "modbus_uart.v"),
     "ascii": ("modbus_ascii.v",),
     "bank_guard": ("modbus_bank_guard.v",),
+    "bank_guard_whole": ("modbus_bank_guard.v",),
+    "bank_guard_overlay": ("modbus_bank_guard.v",),
+    "bank_ram": ("modbus_bank_ram.v",),
+    "bank_io": ("modbus_bank_io.v",),
     "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
     "line_health": ("modbus_line_health.v", "modbus_health_ram.v"),
     "example_health": ("modbus_example_health.v",),
@@ -30,6 +37,7 @@ MODULES_ALONE = {
     "bank_ram_wide": ("modbus_bank_ram.v", "modbus_bank_lanes.v"),
     "bank_io_read_back": ("modbus_bank_io.v",),
     "bank_io_wide": ("modbus_bank_io.v", "modbus_bank_lanes.v"),
+    "program": ("modbus_program.v", "modbus_routines_tables.vh"),
     "frame_ram": ("modbus_frame_ram.v",),
     "diagnostics": ("modbus_diagnostics.v",),
 }
@@ -80,6 +88,10 @@ SELECTION = [
 IDENTITY = ("identity_small", "identity_above", "identity_01", "identity_82")
 FIRST = {
     "modbus_ascii.v": ("ascii", "ascii_mode"),
+    "modbus_frame_rx.v": ("frame_rx", "line", "ascii_mode"),
+    "modbus_line.v": ("line", "ascii_mode", "line_faults"),
+    "modbus_engine.v": ("core_checks", "user_port"),
+    "modbus_routines_data.vh": ("core_checks", "functions_mapped"),
     "modbus_identity.v": IDENTITY,
     "modbus_routines_identity.vh": IDENTITY,
     "modbus_routines_files.vh": ("files", "core_files", "fifo"),
