@@ -65,6 +65,7 @@ MODULES = {
     ),
     "bank_guard_overlay": ("modbus_bank_guard", OVERLAID, "bank.bank_guard"),
     "bank_ram": ("modbus_bank_ram", TABLES, "bank.bank_bus"),
+    "bank_ram_checks": ("modbus_bank_ram", {**TABLES, "CHECK_WRITES": 1}, "bank.bank_bus"),
     "bank_io": ("modbus_bank_io", {}, "bank.bank_bus"),
     "example_units": (
         "modbus_example_units",

@@ -21,11 +21,14 @@ async def verdict(dut, space, first, last, write):
         if int(dut.ack_o.value):
             code = int(dut.exception_o.value)
             break
+        assert not int(dut.exception_o.value), "an exception before the verdict"
         await clocks(dut)
     else:
         raise AssertionError("no verdict")
     await clocks(dut)
     dut.req_i.value = 0
+    await settle()
+    assert not int(dut.exception_o.value), "an exception behind the verdict"
     await clocks(dut)
     return code
 

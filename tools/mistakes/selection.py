@@ -24,6 +24,7 @@ MODULES_ALONE = {
     "bank_guard_whole": ("modbus_bank_guard.v",),
     "bank_guard_overlay": ("modbus_bank_guard.v",),
     "bank_ram": ("modbus_bank_ram.v",),
+    "bank_ram_checks": ("modbus_bank_ram.v",),
     "bank_io": ("modbus_bank_io.v",),
     "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
     "line_health": ("modbus_line_health.v", "modbus_health_ram.v"),
@@ -64,7 +65,7 @@ SELECTION = [
     ),
     (
         "ascii_mode",
-        "parity|gap_above|do_not_add|colon|cr_in|long_frames.*length=2|delimiter|ends_the_frame|stop_bits"
+        "parity|framing|gap_above|do_not_add|colon|cr_in|long_frames|delimiter|ends_the_frame|stop_bits"
         "|every_format.*fmt=[04]",
     ),
     ("options", "delay=(0|7)$|tail=6|tearing|any_time|every_table|needs_no_memory|late_answer.*drop=1"),
