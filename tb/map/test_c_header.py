@@ -81,11 +81,12 @@ def test_limits_fields_and_text(tmp_path):
   printf("%d ", !drive_energy_set_value(r, -1.0) && !drive_energy_set_value(r, 18446744073709552.0));
   printf("%d ", drive_energy_set_value(r, 18446744073709548.0));
   printf("%d ", !drive_tag_set(r, "1234567890") && drive_tag_set(r, "123456789") && r[4] == 0x3900u);
+  printf("%d ", drive_status_mode_set(0u, 0xFFu) == drive_status_mode_set(0u, 3u));
   printf("%d ", drive_status_mode_set(0xFFFFu, 2u) == 0xFFEFu && drive_status_mode_get(0x0020u) == 2u);
   printf("%d ", DRIVE_MODE_ON_NOW == 1u && DRIVE_RAMP_MAX == 60000u && DRIVE_MODE_RESET == 1u);
   printf("%d\\n", DRIVE_GAINS_ITEM_AT(2u) == 10u && DRIVE_CURVE_HOST_AT == 0x300C8u);
 """.replace('  printf("%d ", relay_dummy);', "  volatile double zero = 0.0;")
-    assert program(tmp_path, EVERYTHING, body).split() == ["1"] * 11
+    assert program(tmp_path, EVERYTHING, body).split() == ["1"] * 12
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -169,6 +169,17 @@ def test_neighbours_are_one_request(drive):
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("width", [1, 2, 4])
+def test_no_item_is_cut(tmp_path, width):
+    """An array longer than a request: each request ends between two items, read or written, and all are moved."""
+    made, count = module(tmp_path, RELAY_BOX), 300 // width
+    point = made.Point("holding_registers", 0, "data", f"u{16 * width}", width, count, "rw", array=True)
+    written = [(at, len(words)) for _, at, words in made._writes(point, list(range(300)))]
+    for moved, most in ((made._chunks(point), 125), (written, 123)):
+        assert [at for at, _ in moved] == [sum(size for _, size in moved[:n]) for n in range(len(moved))]
+        assert sum(size for _, size in moved) == 300 and all(size % width == 0 and size <= most for _, size in moved)
+
+
 def test_thread_is_gone():
     with Served(RELAY_BOX) as served:
         assert ModbusTcpClient("127.0.0.1", port=served.port).connect()
