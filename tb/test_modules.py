@@ -19,6 +19,9 @@ TABLES = table_parameters(
 IO_TABLES = table_parameters(
     {Space.COILS: (101, 39), Space.DISCRETES: (7, 33), Space.INPUTS: (65530, 6), Space.HOLDINGS: (400, 12)}
 )
+SMALL_TABLES = table_parameters(  # bits fit into the block of the registers
+    {Space.COILS: (300, 90), Space.DISCRETES: (65000, 70), Space.INPUTS: (5, 3), Space.HOLDINGS: (1000, 60)}
+)
 OVERLAID = {"OVERLAY": 1, "HOLDING_COUNT": 12, "READ_ONLY_BASE": 5, "READ_ONLY_COUNT": 2}
 SOME_READ_ONLY = {"READ_ONLY_BASE": 1100, "READ_ONLY_COUNT": 20}
 
@@ -78,6 +81,7 @@ MODULES = {
         "examples.example_health",
     ),
     "bank_ram_wide": ("modbus_bank_ram", {**TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
+    "bank_ram_wide_beside": ("modbus_bank_ram", {**SMALL_TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "bank_io_read_back": ("modbus_bank_io", {**IO_TABLES, "READ_BACK_RAM": 1}, "bank.bank_bus"),
     "bank_io_read_back_one": ("modbus_bank_io", {"HOLDING_COUNT": 1, "READ_BACK_RAM": 1}, "bank.bank_bus"),
     "bank_io_wide": ("modbus_bank_io", {**IO_TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),

@@ -134,6 +134,15 @@ def test_map_to_systemrdl_and_back_is_the_identity(place, tree):
     assert importer.load(place / name) == device
 
 
+def test_offset_goes_to_systemrdl_and_back(place):
+    """Which random maps have now and then."""
+    line = "{at: 0, name: heat, type: i16, scale: 0.5, offset: -40, reset: 20}"
+    device = device_of(f"device: heater\nholding_registers:\n  - {line}\n")
+    ((name, text),) = rdl.generate(device).items()
+    (place / name).write_text(text, encoding="utf-8")
+    assert device.points[0].offset == -40 and importer.load(place / name) == device
+
+
 @pytest.mark.parametrize("name", MAPS)
 def test_reference_map_to_systemrdl_and_back(place, name):
     device, _ = checks.load_device(MAPS[name])

@@ -36,6 +36,7 @@ MODULES_ALONE = {
     "range_wide": ("modbus_range.v",),
     "burst_wide": ("modbus_burst.v",),
     "bank_ram_wide": ("modbus_bank_ram.v", "modbus_bank_lanes.v"),
+    "bank_ram_wide_beside": ("modbus_bank_ram.v",),
     "bank_io_read_back": ("modbus_bank_io.v",),
     "bank_io_wide": ("modbus_bank_io.v", "modbus_bank_lanes.v"),
     "program": ("modbus_program.v", "modbus_routines_tables.vh"),
