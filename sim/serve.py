@@ -241,8 +241,8 @@ def check_port(port, named):
 
 def compiled(top, values, files, folders):
     """Path of the bridge for a top module and its parameters, compiled now unless that was done before."""
-    folders = [*folders, ROOT / "sim"]  # the ports that all tops have
     sim = ROOT / "sim"
+    folders = [*folders, sim]  # the ports that all tops have
     model = models.Model(top, sim / "pins.cpp", files, folders, values, shared=False, apart=sim / "bridge.cpp")
     try:
         return models.compiled(model, lambda: say("compiling the device (10 to 30 s, once for each map and identity)"))

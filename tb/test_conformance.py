@@ -45,7 +45,7 @@ def test_every_rule_is_shown_on_the_rtl(document):
 
 def test_what_a_simulator_leaves_runs_elsewhere():
     """Each test of a suite that one simulator plays in part runs on another, or on another build of the same topic."""
-    for suite in (*test_system.ON_COMPILED, *test_system.BESIDE_VERILATOR):
+    for suite in (*test_system.ON_COMPILED, *test_system.PART_ON_VERILATOR, *test_system.BESIDE_VERILATOR):
         _, _, topic, only = test_system.SUITES[suite]
         generators = vars(importlib.import_module(f"system.{topic}")).values()
         names = [t.fullname for g in generators if hasattr(g, "generate_tests") for t in g.generate_tests()]

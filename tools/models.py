@@ -30,14 +30,12 @@ CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
 PREFIX = "Vmodel"  # class and header of every model, whatever its top
 OPTIMISE = "-O3"  # of the compiler
 VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
+VPI = ("--vpi", "--timescale", "1ns/1ps")  # what cocotb wants of a model
 COMPILE = ("g++", "-std=c++17", OPTIMISE, "-fPIC", "-faligned-new", "-w", "-pthread", *(f"-DVM_{name}=0" for name in
            ("COVERAGE", "SC", "TRACE", "TRACE_FST", "TRACE_VCD")))  # fmt: skip
 RUNTIME = ("verilated.cpp", "verilated_threads.cpp", "verilated_vpi.cpp", "verilated_dpi.cpp")  # of Verilator
 VPI_ONLY = RUNTIME[2:]  # what only a model with VPI needs; the second is in newer ones only
 NEWER = "fronts"  # folder of the Verilator that cocotb needs; models of the system's run twice as fast
-
-
-VPI = (*"--vpi --timescale 1ns/1ps".split(),)  # what cocotb wants of a model
 
 
 class BuildError(RuntimeError):

@@ -29,6 +29,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
+import models
 from mistakes import MISTAKES
 from mistakes.selection import BUSES, COMPILED, COMPILER_FIRST, COMPILER_TESTS, FIRST, MODULES_ALONE, SELECTION
 
@@ -38,7 +39,6 @@ TREES = ("rtl", "examples")  # where the Verilog is
 COMPILER = "tools/modbus_map"  # the map compiler; its tests run in a copy of the whole checkout
 NO_COPY = ("build", "__pycache__", ".*", "*.pyc")
 WORK = ROOT / "build" / "mistakes"
-RUNTIME = ROOT / "build" / "models"  # what all compiled models share stays
 TABLE = ROOT / "docs" / "mistakes.md"
 WORKERS = min(2, os.cpu_count() or 1)
 TIMEOUT_SECONDS = 900
@@ -238,7 +238,11 @@ def compiled(count):
 def judged(name, *task):
     """(failed tests, or None for an accident; seconds) of the copy `name`; `task` are the arguments of a judge."""
     folder = WORK / name
-    places_of = {"TREE": str(folder / "tree"), "BENCH_BUILD": str(folder / "build"), "MODELS_RUNTIME": str(RUNTIME)}
+    places_of = {
+        "TREE": str(folder / "tree"),
+        "BENCH_BUILD": str(folder / "build"),
+        "MODELS_RUNTIME": str(models.CACHE),
+    }
     env = {**os.environ, **places_of, "COCOTB_LOG_LEVEL": "ERROR"}
     for variable in ("WAVES", "CASE", "FULL"):
         env.pop(variable, None)

@@ -610,7 +610,7 @@ const Panel = (() => {
   };
 
   const showFacts = (status) => {
-    const facts = device.features.state.includes("diagnostic") ? { "diagnostic register": status.register_words } : {};
+    const facts = inputs().includes("diagnostic") ? { "diagnostic register": status.register_words } : {};
     if (device.link) facts["serial port"] = device.link;
     if (status.stats) facts.traffic = `${status.stats.requests} requests, ${status.stats.answers} answers, ${status.stats.silent} without`;
     if (status.stats && status.stats.late) facts.late = `the simulation lagged ${status.stats.late} times`;
@@ -618,11 +618,11 @@ const Panel = (() => {
     $("facts").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => [element("dt", { text: name }), element("dd", { text: value })]));
   };
 
-  let inputs = [];  // of the device, for its state
+  const inputs = () => (device.features || {}).state || [];  // of the device, for its state
   const lights = { busy: 0, failure: 0, listen_only: 0, run_indicator: 1, write_lock: 0 };
   const showLights = () => {
     const on = [[connected ? "connected" : "not connected", connected ? "good" : "bad"]];
-    if (inputs.includes("run_indicator")) on.push(lights.run_indicator ? ["running", "good"] : ["stopped", "bad"]);
+    if (inputs().includes("run_indicator")) on.push(lights.run_indicator ? ["running", "good"] : ["stopped", "bad"]);
     if (lights.busy) on.push(["busy", "bad"]);
     if (lights.failure) on.push([`failure ${EXCEPTIONS[lights.failure] || lights.failure}`, "bad"]);
     if (lights.write_lock) on.push(["write lock", "bad"]);
@@ -807,9 +807,8 @@ const Panel = (() => {
     if (several && $("slave").options.length !== device.slaves.length)
       $("slave").replaceChildren(...device.slaves.map((address) => element("option", { text: address })));
     const { send: sends, line, signals, capture } = device.features;
-    inputs = device.features.state;
-    $("state-form").hidden = !inputs.length;
-    for (const field of $("state-form").elements) field.closest("label").hidden = !inputs.includes(field.name);
+    $("state-form").hidden = !inputs().length;
+    for (const field of $("state-form").elements) field.closest("label").hidden = !inputs().includes(field.name);
     $("send").hidden = !sends;
     $("line-form").hidden = !line;
     $("values").hidden = !signals;

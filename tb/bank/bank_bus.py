@@ -6,12 +6,12 @@ import cocotb
 from harness.bench import PARAMETERS, TOP
 from harness.build import DEFAULT_COUNTS, model_config
 from harness.unit import clocks, settle, start
-from protocol.defs import BIT_SPACES, Space, bus_address
+from protocol.defs import BIT_SPACES, CHECK_SPACES, Space, bus_address
 
 from bank.bank_guard import expected
 
 PATIENCE = 50
-CHECK = 6  # of a space: the checking pass of a write to it, MB_CHECK_OF
+CHECK_OF = {table: space for space, table in CHECK_SPACES.items()}
 RAM = TOP == "modbus_bank_ram"
 WIDE = int(PARAMETERS.get("BITS_PER_BEAT", 1)) != 1  # a beat of bits is what a burst has in a word of 16 items
 CHECKS = int(PARAMETERS.get("CHECK_WRITES", 0))
@@ -81,6 +81,17 @@ class Bank:
         await clocks(dut)
         return out
 
+    async def write(self, space, first, values):
+        """A write that is granted."""
+        assert await self.ask(space, first, first + len(values) - 1, 1) == 0
+        await self.burst(space, first, values)
+
+    async def read(self, space, first, count):
+        """A read that is granted; the items without what a bit has above itself."""
+        assert await self.ask(space, first, first + count - 1, 0) == 0
+        seen = await self.burst(space, first, count=count)
+        return [value & 1 for value in seen] if space in BIT_SPACES else seen
+
     def writable(self):
         """(space, base, count) of the tables that the core can write, without the read-only range."""
         for space in (Space.COILS, Space.HOLDINGS):
@@ -97,11 +108,8 @@ async def bursts_keep_what_they_write(dut):
             quantity = bank.rng.randint(1, min(count, 40))
             first = base + bank.rng.randint(0, count - quantity)
             values = [bank.rng.getrandbits(1 if space in BIT_SPACES else 16) for _ in range(quantity)]
-            assert await bank.ask(space, first, first + quantity - 1, 1) == 0
-            await bank.burst(space, first, values)
-            assert await bank.ask(space, first, first + quantity - 1, 0) == 0
-            seen = await bank.burst(space, first, count=quantity)
-            seen = [v & 1 for v in seen] if space in BIT_SPACES else seen
+            await bank.write(space, first, values)
+            seen = await bank.read(space, first, quantity)
             assert seen == values, f"{space.name} {first}: wrote {values}, read {seen}"
 
 
@@ -113,19 +121,16 @@ async def a_checking_pass_stores_nothing(dut):
     image = {}
     for space, (base, count) in tables.items():
         image[space] = [bank.rng.getrandbits(1 if space in BIT_SPACES else 16) for _ in range(count)]
-        assert await bank.ask(space, base, base + count - 1, 1) == 0
-        await bank.burst(space, base, image[space])
+        await bank.write(space, base, image[space])
     for _ in range(20):
         for space, (base, count) in tables.items():
             quantity = bank.rng.randint(1, min(count, 40))
             first = base + bank.rng.randint(0, count - quantity)
             assert await bank.ask(space, first, first + quantity - 1, 1) == 0
             others = [value ^ 1 for value in image[space][first - base : first - base + quantity]]
-            await bank.burst(int(space) | CHECK, first, others)
+            await bank.burst(CHECK_OF[space], first, others)
     for space, (base, count) in tables.items():
-        assert await bank.ask(space, base, base + count - 1, 0) == 0
-        seen = await bank.burst(space, base, count=count)
-        seen = [v & 1 for v in seen] if space in BIT_SPACES else seen
+        seen = await bank.read(space, base, count)
         wrong = [base + n for n, (a, b) in enumerate(zip(seen, image[space], strict=True)) if a != b]
         assert not wrong, f"{space.name}: stored by a checking pass: {wrong}"
 
@@ -136,14 +141,12 @@ async def a_beat_of_bits_leaves_the_others_alone(dut):
     bank = await Bank.start(dut)
     base, count = bank.config.tables[Space.COILS]
     image = [0] * count  # block RAM keeps what it held before
-    assert await bank.ask(Space.COILS, base, base + count - 1, 1) == 0
-    await bank.burst(Space.COILS, base, image)
+    await bank.write(Space.COILS, base, image)
     for number in range(64):
         first = bank.rng.randrange(count) if number % 2 else min(number // 2, count - 1)
         quantity = bank.rng.randint(1, min(count - first, 50))
         values = [bank.rng.getrandbits(1) for _ in range(quantity)]
-        assert await bank.ask(Space.COILS, base + first, base + first + quantity - 1, 1) == 0
-        await bank.burst(Space.COILS, base + first, values)
+        await bank.write(Space.COILS, base + first, values)
         image[first : first + quantity] = values
     assert await bank.ask(Space.COILS, base, base + count - 1, 0) == 0
     assert await bank.burst(Space.COILS, base, count=count) == image
@@ -248,8 +251,7 @@ async def host_and_core_take_turns(dut):
     task = cocotb.start_soon(host())
     for _ in range(12):
         values = [bank.rng.getrandbits(16) for _ in range(min(20, count - 1))]
-        assert await bank.ask(Space.HOLDINGS, base, base + len(values) - 1, 1) == 0
-        await bank.burst(Space.HOLDINGS, base, values)
+        await bank.write(Space.HOLDINGS, base, values)
         assert await bank.ask(Space.HOLDINGS, base, base + len(values) - 1, 0) == 0
         assert await bank.burst(Space.HOLDINGS, base, count=len(values)) == values
     stop.append(True)
