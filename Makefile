@@ -28,8 +28,10 @@ VENV_STAMP := $(call stamp,demo)
 .PHONY: FORCE
 $(call stamp,apt-demo): FORCE
 	@tools/bootstrap.sh apt demo
-$(foreach set,demo web try test lint formal fpga ecp5 peers boards fusesoc map,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
+$(foreach set,demo web try test lint formal fpga ecp5 peers boards fusesoc map node,$(call stamp,$(set))): .venv/%-$(HASH).ok: FORCE
 	@tools/bootstrap.sh venv $*
+
+long_test := $(call stamp,try) $(call stamp,node)
 
 # --- targets --------------------------------------------------------------------------------------
 .PHONY: help demo serve try map quick test nightly lint formal synth peers bitstream waves mistakes fusesoc clean
@@ -48,10 +50,10 @@ map: $(call stamp,map)  ## a device from one file, with all that belongs to it: 
 quick: $(call stamp,test) $(call stamp,lint)  ## under a minute, before a commit: lint of what differs, the model, a little of everything at the pins
 	@$(PY) tools/quick.py
 
-test: $(call stamp,test)  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
+test: $(call stamp,test) $(if $(filter 1,$(FULL)),$(long_test))  ## the whole regression; T=name or T=file selects, FULL=1 runs the long version
 	@$(PY) tools/run_tests.py $${T:+"$$T"}
 
-nightly: $(call stamp,test) $(call stamp,lint) $(call stamp,formal)  ## everything, some hours; T=stage,... or NIGHTLY_SKIP=stage,...; report build/nightly.md
+nightly: $(call stamp,test) $(call stamp,lint) $(call stamp,formal) $(long_test)  ## everything, some hours; T=stage,... or NIGHTLY_SKIP=stage,...; report build/nightly.md
 	@$(PY) tools/nightly.py $${T:+"$$T"}
 
 lint: $(call stamp,lint)  ## every linter over every module and parameter set; T=module selects

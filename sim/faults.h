@@ -57,33 +57,51 @@ struct Fault {
   }
 };
 
-// Kinds, and their keys with what they are if not given.
-struct FaultKind {
-  std::map<std::string, double> keys;
-  bool request, answer;
+// What a number may be, and what it is if not given.
+struct FaultKey {
+  double value, least, most;
+  bool whole;
+
+  // What is wrong with a number, or "".
+  std::string refuses(double given) const {
+    if (given >= least && given <= most && (!whole || given == std::floor(given))) return "";
+    char text[80];
+    snprintf(text, sizeof text, ": must be a %snumber from %g to %g", whole ? "whole " : "", least, most);
+    return text;
+  }
 };
+
+struct FaultKind {
+  bool request;  // it can be in this direction; every kind can be in an answer
+  std::map<std::string, FaultKey> keys;
+};
+
+enum { ANSWER, BOTH, REAL = 0, WHOLE };
+#define KEY(name, value, least, most, whole, meaning) {#name, {value, least, most, whole}},
 
 inline const std::map<std::string, FaultKind> &fault_kinds() {
   static const std::map<std::string, FaultKind> kinds = {
-      {"flip", {{{"character", 0}, {"bit", 0}}, true, true}},
-      {"parity", {{{"character", 0}}, true, true}},
-      {"stop", {{{"character", 0}}, true, true}},
-      {"break", {{{"character", 0}, {"bits", 12}}, true, true}},
-      {"glitch", {{{"character", 0}, {"width", 0.3}}, true, true}},
-      {"jitter", {{{"amount", 0.2}}, true, true}},
-      {"rate", {{{"amount", 3}}, true, true}},
-      {"gap", {{{"character", 1}, {"amount", 2}}, true, true}},
-      {"cut", {{{"character", 4}}, true, true}},
-      {"extra", {{{"value", 0}}, true, true}},
-      {"swapped_crc", {{}, true, true}},
-      {"wrong_crc", {{}, true, true}},
-      {"late", {{{"amount", 100}}, false, true}},
-      {"none", {{}, true, true}},
-      {"echo", {{}, true, true}},
-      {"collision", {{{"character", 0}, {"value", 85}}, true, true}},
+#define KIND(name, direction, meaning, keys) {#name, {direction == BOTH, {keys}}},
+#define WHEN(name, least, most, whole, meaning)
+#include "fault_kinds.h"
+#undef KIND
+#undef WHEN
   };
   return kinds;
 }
+
+// The keys that every kind has: which frames.
+inline const std::map<std::string, FaultKey> &fault_when() {
+  static const std::map<std::string, FaultKey> when = {
+#define KIND(name, direction, meaning, keys)
+#define WHEN(name, least, most, whole, meaning) KEY(name, 0, least, most, whole, meaning)
+#include "fault_kinds.h"
+#undef KIND
+#undef WHEN
+  };
+  return when;
+}
+#undef KEY
 
 // "DIRECTION KIND key=value ..." as Fault; the text of what is wrong, or "".
 inline std::string parse_fault(const std::vector<std::string> &words, Fault &fault) {
@@ -97,9 +115,9 @@ inline std::string parse_fault(const std::vector<std::string> &words, Fault &fau
     for (const auto &[name, unused] : fault_kinds()) names += (names.empty() ? "" : ", ") + name;
     return words[1] + ": no such kind; there are " + names;
   }
-  if (!(fault.direction == Direction::kRequest ? kind->second.request : kind->second.answer))
-    return words[1] + ": not in this direction";
-  fault.keys = kind->second.keys;
+  if (fault.direction == Direction::kRequest && !kind->second.request) return words[1] + ": not in this direction";
+  const std::map<std::string, FaultKey> &keys = kind->second.keys, &when = fault_when();
+  for (const auto &[name, key] : keys) fault.keys[name] = key.value;
   for (size_t i = 2; i < words.size(); ++i) {
     const size_t equals = words[i].find('=');
     const std::string name = words[i].substr(0, equals);
@@ -107,36 +125,14 @@ inline std::string parse_fault(const std::vector<std::string> &words, Fault &fau
     const std::string text = equals == std::string::npos ? "" : words[i].substr(equals + 1);
     const double value = strtod(text.c_str(), &end);
     if (text.empty() || *end || !std::isfinite(value)) return words[i] + ": must be key=number";
-    const bool whole = value == std::floor(value);
-    if (name == "every" || name == "count") {
-      if (!whole || value < 1 || value > 1e9) return words[i] + ": must be a whole number from 1 on";
-      (name == "every" ? fault.every : fault.count) = unsigned(value);
-    } else if (name == "probability") {
-      if (value <= 0 || value > 1) return words[i] + ": must be above 0, at most 1";
-      fault.probability = value;
-    } else if (!fault.keys.count(name)) {
-      return words[i] + ": " + fault.kind + " has no such key";
-    } else {
-      struct Limits {
-        double low, high;
-        bool whole;
-      };
-      static const std::map<std::string, Limits> limits = {
-          {"character", {-256, 255, true}}, {"bit", {0, 7, true}}, {"bits", {1, 1000, false}},
-          {"width", {0.07, 0.49, false}}, {"value", {0, 255, true}},
-          {"amount", {-1e9, 1e9, false}}};
-      static const std::map<std::string, Limits> amounts = {{"jitter", {0, 0.45, false}}, {"rate", {-20, 20, false}},
-                                                            {"gap", {0, 1000, false}}, {"late", {0, 60000, false}}};
-      const auto own = amounts.find(fault.kind);
-      const Limits &limit = name == "amount" && own != amounts.end() ? own->second : limits.at(name);
-      if (value < limit.low || value > limit.high || (limit.whole && !whole)) {
-        char range[64];
-        snprintf(range, sizeof range, ": must be %s from %g to %g", limit.whole ? "a whole number" : "a number",
-                 limit.low, limit.high);
-        return words[i] + range;
-      }
-      fault.keys[name] = value;
-    }
+    const bool own = keys.count(name);
+    if (!own && !when.count(name)) return words[i] + ": " + fault.kind + " has no such key";
+    const std::string wrong = (own ? keys : when).at(name).refuses(value);
+    if (!wrong.empty()) return words[i] + wrong;
+    if (name == "every") fault.every = unsigned(value);
+    else if (name == "count") fault.count = unsigned(value);
+    else if (name == "probability") fault.probability = value;
+    else fault.keys[name] = value;
   }
   if (fault.every && fault.probability > 0) return "every and probability exclude each other";
   if (!fault.every && !(fault.probability > 0)) {

@@ -99,6 +99,8 @@ class Terminal : public Endpoint {
     changes.clients = clients_;
     changes.returned = changes.left && clients_ > 0;
     if (clients_ < 2) warned_clients_ = false;
+    warn_of_clients();  // a client that has opened and written since the last look is known only now
+    heard_ = false;
     return changes;
   }
 
@@ -108,11 +110,8 @@ class Terminal : public Endpoint {
     if (n <= 0) return false;
     for (ssize_t i = 0; i < n; ++i) characters.push_back({data[i], false});
     warn_of_speed();
-    if (clients_ > 1 && !warned_clients_) {
-      warned_clients_ = true;
-      fprintf(stderr, "serve: warning: %d programs have the port open; each answer goes to the one that reads first\n",
-              clients_);
-    }
+    heard_ = true;
+    warn_of_clients();
     return true;
   }
 
@@ -144,6 +143,13 @@ class Terminal : public Endpoint {
     if (ioctl(slave_, TCSETS2, &t)) fail_errno(name_);
   }
 
+  void warn_of_clients() {
+    if (!heard_ || clients_ < 2 || warned_clients_) return;
+    warned_clients_ = true;
+    fprintf(stderr, "serve: warning: %d programs have the port open; each answer goes to the one that reads first\n",
+            clients_);
+  }
+
   void warn_of_speed() {
     termios2 t;
     if (ioctl(slave_, TCGETS2, &t) || t.c_ospeed == warned_speed_) return;
@@ -154,7 +160,7 @@ class Terminal : public Endpoint {
   }
 
   unsigned baud_, warned_speed_ = baud_;
-  bool warned_clients_ = false;
+  bool warned_clients_ = false, heard_ = false;
   int master_ = -1, slave_ = -1, inotify_ = -1, clients_ = 0;
   std::string name_;
 };

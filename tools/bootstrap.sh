@@ -4,7 +4,7 @@
 #
 # bootstrap.sh - installs what a make target needs: commands by apt, Python packages into .venv.
 #
-#   bootstrap.sh apt SET    the commands of a set: demo web try test lint formal fpga ecp5 peers boards fusesoc map
+#   bootstrap.sh apt SET    the commands of a set: demo web try test lint formal fpga ecp5 peers boards fusesoc map node
 #   bootstrap.sh venv SET   its Python packages and front ends (the commands first)
 #   bootstrap.sh hash       the hash that the stamps are named after
 #
@@ -212,7 +212,7 @@ case "${1:-}" in
   apt|venv) ;;
   *) die "usage: bootstrap.sh hash | apt SET | venv SET" ;;
 esac
-case "${2:-}" in demo|web|try|test|lint|formal|fpga|ecp5|peers|boards|fusesoc|map) ;; *) die "no such set: ${2:-}" ;; esac
+case "${2:-}" in demo|web|try|test|lint|formal|fpga|ecp5|peers|boards|fusesoc|map|node) ;; *) die "no such set: ${2:-}" ;; esac
 case $ROOT in
   *[[:space:]]*) die "make and Verilator cannot work below a path with blanks: $ROOT" ;;
 esac

@@ -24,6 +24,9 @@ from pathlib import Path
 import common
 
 ROOT = common.ROOT
+sys.path.insert(0, str(ROOT / "sim"))
+from server import forms  # noqa: E402
+
 PANEL = ROOT / "sim" / "panel"
 BUILD = Path("build") / "try"
 TARGET = ROOT / "docs" / "try.html"
@@ -43,6 +46,7 @@ COMPILE = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", "-std=c++17", "-O3", "-flto"),
     *("-fno-exceptions", "-fno-rtti", "-DNDEBUG", "-w", "-Wl,--strip-all"),
 )
+FORMS = ("sim/server/forms.py", "sim/server/values.py", "sim/faults.py", "sim/fault_kinds.h")
 SCRIPTS = ("words.js", "faults.js", "panel.js", "wasm.js")
 START = """
 Wasm.open(Uint8Array.from(atob(CORE), (c) => c.charCodeAt(0))).then((backend) => {
@@ -76,7 +80,7 @@ def core_sources() -> list[str]:
 def digest() -> str:
     """A name for the contents of everything that goes into the page."""
     pages = [f"sim/panel/{name}" for name in (*SCRIPTS, "panel.css", "panel.html")]
-    return _digest([*core_sources(), *pages, "tools/try_page.py"])
+    return _digest([*core_sources(), *pages, *FORMS, "tools/try_page.py"])
 
 
 def stale(target: Path = TARGET) -> str:
@@ -128,7 +132,7 @@ def page(core: bytes) -> str:
     style = (PANEL / "panel.css").read_text(encoding="utf-8")
     text = text.replace('<link rel="stylesheet" href="panel.css">', f"<style>\n{style}</style>")
     text = re.sub(r'<script src="[a-z]+\.js"></script>\n', "", text)
-    scripts = "\n".join((PANEL / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    scripts = "\n".join([forms.script(), *((PANEL / name).read_text(encoding="utf-8") for name in SCRIPTS)])
     core_text = f"const CORE = {json.dumps(base64.b64encode(core).decode())};"
     return text.replace("</body>", f"<script>\n{scripts}\n{core_text}\n{START}</script>\n</body>")
 

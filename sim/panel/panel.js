@@ -659,7 +659,7 @@ const Panel = (() => {
 
   // ------------------------------------------------------------------ faults
 
-  // Fields for {argument: [default, least, most, meaning]}.
+  // Fields for {argument: [default, least, most, meaning]}, as FORMS has them.
   const fields = (names) => Object.entries(names).map(([name, [value, least, most, meaning]]) => {
     const number = typeof value === "number";
     const input = element(name === "csv" ? "textarea" : "input", number
@@ -670,9 +670,9 @@ const Panel = (() => {
   });
   const valuesOf = (box) => Object.fromEntries([...box.querySelectorAll("input,textarea")].map((i) => [i.name, i.type === "number" ? Number(i.value) : i.value]));
 
-  $("kind").append(...Object.entries(Faults.KINDS).map(([kind, [meaning]]) => element("option", { value: kind, text: meaning })));
+  $("kind").append(...Object.entries(Faults.KINDS).map(([kind, [, , meaning]]) => element("option", { value: kind, text: meaning })));
   const faultForm = () => {
-    const [, names, directions] = Faults.KINDS[$("kind").value];
+    const [directions, names] = Faults.KINDS[$("kind").value];
     $("fault-values").replaceChildren(...fields(names));
     for (const option of $("direction").options) option.disabled = !directions.includes(option.value);
     if (!directions.includes($("direction").value)) $("direction").value = directions[0];
@@ -764,17 +764,8 @@ const Panel = (() => {
 
   // ------------------------------------------------------------------ values that move
 
-  const SIGNALS = {
-    constant: { value: [0, -1e9, 1e9, "value"] },
-    ramp: { from: [0, -1e9, 1e9, "first value"], to: [100, -1e9, 1e9, "last value"], period: [10, 0.01, 1e6, "seconds"] },
-    sine: { mean: [50, -1e9, 1e9, "middle"], amplitude: [10, 0, 1e9, "swing"], period: [10, 0.01, 1e6, "seconds"] },
-    square: { low: [0, -1e9, 1e9, "low value"], high: [1, -1e9, 1e9, "high value"], period: [2, 0.01, 1e6, "seconds"] },
-    walk: { start: [50, -1e9, 1e9, "first value"], step: [1, 0, 1e9, "largest step"], low: [0, -1e9, 1e9, "least"], high: [100, -1e9, 1e9, "most"] },
-    counter: { start: [0, -1e9, 1e9, "first value"], step: [1, -1e9, 1e9, "step"], period: [1, 0.01, 1e6, "seconds a step"] },
-    csv: { csv: ["", 0, 0, "lines of seconds, value"] },
-  };
-  $("signal-kind").append(...Object.keys(SIGNALS).map((kind) => element("option", { text: kind })));
-  const signalForm = () => $("signal-values").replaceChildren(...fields(SIGNALS[$("signal-kind").value]));
+  $("signal-kind").append(...Object.keys(FORMS.signals).map((kind) => element("option", { text: kind })));
+  const signalForm = () => $("signal-values").replaceChildren(...fields(FORMS.signals[$("signal-kind").value]));
   $("signal-kind").addEventListener("change", signalForm);
   signalForm();
   $("signal-form").addEventListener("submit", async (event) => {

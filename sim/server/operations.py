@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+import faults
+
 from .errors import Refused
 
 REQUIRED = object()
@@ -206,15 +208,10 @@ OPERATIONS = {
             {
                 "kind": Argument("string", "what to break", most=20),
                 "direction": Argument("string", "which way", "request", choices=("request", "answer")),
-                "every": Argument(
-                    "integer",
-                    "each n-th frame; without it and `probability` the next one",
-                    None,
-                    least=1,
-                    most=1_000_000,
-                ),
-                "probability": Argument("number", "of each frame", None, least=0, most=1),
-                "count": Argument("integer", "at most so often", None, least=1, most=1_000_000),
+                **{
+                    name: Argument("integer" if whole else "number", meaning, None, least=least, most=most)
+                    for name, (_, least, most, meaning, whole) in faults.WHEN.items()
+                },
             },
             more=True,
         ),

@@ -15,7 +15,7 @@ from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from . import capture
+from . import capture, forms
 from .device import Device
 from .errors import Refused, Unknown
 from .operations import OPERATIONS, openapi
@@ -120,6 +120,7 @@ class Server:
         add = self.app.router.add_route
         for path in FILES:
             add("GET", path, self.file)
+        add("GET", "/forms.js", self.forms)
         add("GET", "/openapi.json", self.document)
         add("GET", "/api/events", self.events)
         add("GET", r"/api/capture.{kind:pcapng|fst|txt}", self.capture)
@@ -194,6 +195,10 @@ class Server:
         """A file of the panel."""
         name, kind = FILES[request.path]
         return web.Response(body=(PANEL / name).read_bytes(), content_type=kind, charset="utf-8", headers=HEADERS)
+
+    async def forms(self, _: web.Request) -> web.Response:
+        """What the forms of the panel offer."""
+        return web.Response(text=forms.script(), content_type="text/javascript", charset="utf-8", headers=HEADERS)
 
     async def document(self, _: web.Request) -> web.Response:
         """The OpenAPI document."""

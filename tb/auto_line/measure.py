@@ -4,10 +4,11 @@
 
 import random
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
 
 from protocol import frames
 
-from .lab import FORMATS, OWN, RATES, Master, request, start
+from .lab import FORMATS, OWN, RATES, Device, Master, request, start
 
 SEED = 1
 MOST = 4  # requests that are tried
@@ -18,11 +19,21 @@ def fits_two(frame):
     return len({bin(byte).count("1") & 1 for byte in frame}) == 1
 
 
-def starts(device, each, seed=SEED, rates=RATES):
+def starts(each, seed=SEED, rates=RATES):
     """{(rate, format name): Counter of requests until the first answer} of so many random starts for each."""
-    rng = random.Random(seed)
-    pairs = [(rate, fmt) for rate in rates for fmt in FORMATS]
-    return {(rate, fmt.name): Counter(start(device, rate, fmt, rng) for _ in range(each)) for rate, fmt in pairs}
+    found = {}
+    with ProcessPoolExecutor() as pool:
+        for rows in pool.map(_starts_at, rates, [each] * len(rates), [seed] * len(rates)):
+            found |= rows
+    return found
+
+
+def _starts_at(rate, each, seed):
+    """`starts` at one rate, with a device and random numbers of its own."""
+    rng, device = random.Random(seed + rate), Device()
+    found = {(rate, fmt.name): Counter(start(device, rate, fmt, rng) for _ in range(each)) for fmt in FORMATS}
+    device.close()
+    return found
 
 
 def changed_rate(device, changes, seed=SEED, rates=RATES):

@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT / "tb"), str(ROOT / "tools")]
 from harness.volume import volume  # noqa: E402
 
 from auto_line import measure  # noqa: E402
-from auto_line.lab import FORMATS, RATES, Device  # noqa: E402
+from auto_line.lab import FORMATS, RATES, library  # noqa: E402
 
 DOCUMENT, PLOT = ROOT / "docs/auto_line.md", ROOT / "docs/auto_line.svg"
 MARKS = re.compile(r"(<!-- starts table begin -->\n).*?(<!-- starts table end -->)", re.DOTALL)
@@ -76,10 +76,9 @@ def plot(counts):
 
 
 def main():
-    device = Device()
+    library()  # compiled once, before there are several processes
     wanted = int(os.environ.get("COUNT") or volume("random starts of the automatic line"))
-    counts = measure.starts(device, max(1, round(wanted / 36)))
-    device.close()
+    counts = measure.starts(max(1, round(wanted / (len(RATES) * len(FORMATS)))))
     PLOT.write_text(plot(counts), encoding="utf-8")
     text = DOCUMENT.read_text(encoding="utf-8")
     DOCUMENT.write_text(MARKS.sub(lambda found: found[1] + table(counts) + found[2], text), encoding="utf-8")

@@ -3,7 +3,8 @@
 //
 // clients_check - sim/clients.h without a simulation: a master writes while nobody asks for news.
 //
-// Each line of output is a round: {milliseconds between first and last news, of how many news, bytes in them}.
+// Each line of output is a round: {milliseconds between first and last news, of how many news, bytes in them}. With an
+// argument: what is said of a second client whose bytes are seen before its coming.
 
 #include <cstdio>
 #include <fcntl.h>
@@ -22,9 +23,26 @@ void say(const char *what, const std::vector<News> &news) {
   printf("%s %.3f %zu %zu\n", what, 1000 * apart, news.size(), bytes);
 }
 
+// A second client opens the port and writes before the first look behind both: the bytes are read, then its coming.
+int two_at_once() {
+  Terminal terminal(19200);
+  const int first = open(terminal.name().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+  terminal.changes();
+  const int second = open(terminal.name().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
+  if (write(second, "1", 1) != 1) return 1;
+  sleep_ms(50);
+  std::vector<Character> characters;
+  printf("read %d\n", int(terminal.receive(characters)));
+  terminal.changes();
+  close(second);
+  close(first);
+  return 0;
+}
+
 }  // namespace
 
-int main() {
+int main(int count, char **) {
+  if (count > 1) return two_at_once();
   Terminal terminal(19200);
   Clients clients(terminal);
   clients.start([] {});

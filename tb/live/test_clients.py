@@ -224,13 +224,26 @@ def test_slow_line_does_not_keep_a_master_waiting(folder):
     assert min(waited) < 0.45, waited
 
 
-def test_bytes_have_the_time_at_which_they_came(tmp_path, record_property):
-    """Also where the simulation asks for them much later; and what waits for it does not grow."""
-    program = tmp_path / "check"
+@pytest.fixture(scope="module")
+def clients_check(tmp_path_factory):
+    """sim/clients.h without a simulation, compiled."""
+    program = tmp_path_factory.mktemp("check") / "check"
     source = Path(__file__).with_name("clients_check.cpp")
     command = ["g++", "-std=c++17", "-O1", f"-I{ROOT / 'sim'}", str(source), "-o", str(program), "-pthread"]
     subprocess.run(command, check=True)
-    done = subprocess.run([program], check=True, capture_output=True, text=True, timeout=60)
+    return program
+
+
+def test_client_that_writes_at_once_gets_the_warning(clients_check):
+    """Its bytes may be read before its coming is known."""
+    done = subprocess.run([clients_check, "two"], check=True, capture_output=True, text=True, timeout=60)
+    assert done.stdout == "read 1\n"
+    assert done.stderr.count("2 programs have the port open") == 1
+
+
+def test_bytes_have_the_time_at_which_they_came(clients_check, record_property):
+    """Also where the simulation asks for them much later; and what waits for it does not grow."""
+    done = subprocess.run([clients_check], check=True, capture_output=True, text=True, timeout=60)
     found = [line.split() for line in done.stdout.splitlines()]
     apart = [float(ms) for what, ms, news, size in found if (what, news, size) == ("bursts", "2", "16")]
     assert len(apart) >= 10, done.stdout

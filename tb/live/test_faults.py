@@ -238,14 +238,14 @@ def test_bad_faults_are_refused_with_a_reason(devices):
 
 
 def test_serve_judges_faults_as_the_bridge_does(devices, monkeypatch):
-    """Its copy of the table: kinds, directions, keys, defaults and limits."""
+    """Both read one table: kinds, directions, keys, defaults and limits."""
     monkeypatch.syspath_prepend(str(ROOT / "sim"))
     import faults
 
     device = cleared(devices["even"])
     for fault in BAD_FAULTS:
         assert faults.judge(fault.split()), fault
-    for kind, (directions, keys) in faults.KINDS.items():
+    for kind, (directions, keys, _) in faults.KINDS.items():
         for direction in faults.DIRECTIONS:
             words = [direction, kind]
             if direction not in directions:
@@ -255,7 +255,7 @@ def test_serve_judges_faults_as_the_bridge_does(devices, monkeypatch):
             device.call("fault", *words)
             made = device.call("faults")["faults"][-1]
             assert {k: made[k] for k in keys} == {k: default for k, (default, *_) in keys.items()}, made
-            for key, (_, least, most, _) in keys.items():
+            for key, (_, least, most, *_) in (keys | faults.WHEN).items():
                 for value in (least, most):
                     device.call("fault", *words, f"{key}={value}")
                     assert not faults.judge([*words, f"{key}={value}"])

@@ -212,14 +212,12 @@ def test_log_and_register_in_words(tried, seed):
 
 
 def test_form_of_faults_is_the_table_of_the_bridge(tried):
-    """Kinds, directions, arguments, defaults and limits of faults.js are those of faults.py."""
+    """Kinds, directions, arguments, defaults and limits in the page are those that the bridge is compiled with."""
     found = tried.evaluate("Faults.KINDS")
     assert set(found) == set(faults.KINDS)
-    for kind, (_, names, directions) in found.items():
-        wanted_directions, wanted = faults.KINDS[kind]
-        assert tuple(directions) == tuple(wanted_directions), kind
-        limits = {name: tuple(v[:3]) for name, v in names.items()}
-        assert limits == {name: tuple(v[:3]) for name, v in wanted.items()}, kind
+    for kind, (directions, keys, meaning) in found.items():
+        assert (tuple(directions), meaning) == (faults.KINDS[kind].directions, faults.KINDS[kind].meaning), kind
+        assert {name: tuple(key) for name, key in keys.items()} == faults.KINDS[kind].keys, kind
 
 
 @pytest.mark.parametrize(
