@@ -6,4 +6,3 @@ examples/modbus_example_soc_wb.v
 examples/modbus_example_soc_axil.v
 examples/modbus_example_auto.v
 examples/modbus_example_units.v
-examples/modbus_example_health.v

@@ -78,6 +78,7 @@ module modbus_live #(
     .host_err_o(host_err_o), .bank_cyc_o(bank_cyc), .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr),
     .bank_dat_o(bank_write), .bank_dat_i(bank_read), .bank_ack_i(bank_ack), .bank_err_i(bank_err),
     .status_stb_o(status_stb), .status_adr_o(status_adr), .status_dat_i(status_read), .status_ack_i(status_ack),
+    .health_stb_o(), .health_adr_o(), .health_dat_i(16'd0), .health_ack_i(1'b0), .health_clear_o(),
     .settings_i(settings), .host_state_i(host_state), .write_lock_i(write_lock_q), .idle_i(idle_o), .settings_o(),
     .host_state_o(), .write_lock_o()
   );

@@ -39,7 +39,12 @@ SUITES = {
     "axil_slave": (SLAVE, MAPPED, "slave", None),
     "wishbone_host": ("slave_bench", MAPPED, "slave", None),
     "host_map_axil": (MAPPING, {**MAPPED, "AXIL": 1}, "host_map", None),
-    "host_map_wishbone": (MAPPING, {**MAPPED, "AXIL": 0, "BIT_FRACTIONS": 1}, "host_map", None),
+    "host_map_wishbone": (
+        MAPPING,
+        {**MAPPED, "AXIL": 0, "BIT_FRACTIONS": 1, "ASCII_MODE": 1, "LINE_HEALTH": 1},
+        "host_map",
+        None,
+    ),
     "host_map_reads_only": (MAPPING, {**MAPPED, "AXIL": 0, "HOST_SETTINGS": 0}, "host_map", "item|counters"),
     "host_map_left_out": (MAPPING, {**MAPPED, "AXIL": 1, "HOST_MAP": 0}, "host_map", "left_out"),
     "soc_axil": ("modbus_example_soc_axil", NO_FLOORS, "soc", None),

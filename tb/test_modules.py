@@ -75,11 +75,6 @@ MODULES = {
         {"CLK_HZ": 1_000_000, "BIT_TIME": 16, "T15_MIN_US": 0, "T35_MIN_US": 0},
         "examples.example_units",
     ),
-    "example_health": (
-        "modbus_example_health",
-        {"CLK_HZ": 16_000, "BAUD": 1000, "ADDRESS": 17, "T15_MIN_US": 0, "T35_MIN_US": 0},
-        "examples.example_health",
-    ),
     "bank_ram_wide": ("modbus_bank_ram", {**TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "bank_ram_wide_beside": ("modbus_bank_ram", {**SMALL_TABLES, "BITS_PER_BEAT": 16}, "bank.bank_bus"),
     "bank_io_read_back": ("modbus_bank_io", {**IO_TABLES, "READ_BACK_RAM": 1}, "bank.bank_bus"),
@@ -92,7 +87,7 @@ MODULES = {
 
 
 # Those that take Icarus long; it plays them with FULL=1.
-ON_VERILATOR = "line line_filtered uart_receiving auto_line line_health example_units example_health".split()
+ON_VERILATOR = "line line_filtered uart_receiving auto_line line_health example_units".split()
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
     *(("icarus", name) for name in MODULES if FULL or name not in ON_VERILATOR),

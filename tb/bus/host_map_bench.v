@@ -11,6 +11,8 @@ module host_map_bench #(
   parameter integer HOST_MAP = 1,
   parameter integer HOST_SETTINGS = 1,
   parameter integer BIT_FRACTIONS = 0,
+  parameter integer ASCII_MODE = 0,
+  parameter integer LINE_HEALTH = 0,
   parameter integer T15_MIN_US = 0,
   parameter integer T35_MIN_US = 0,
   parameter [127:0] FUNCTION_CODES = `MB_ALL_FUNCTIONS,
@@ -79,16 +81,20 @@ module host_map_bench #(
   wire                            cyc, stb, we, ack, err, bank_cyc, bank_stb, bank_we, bank_ack, bank_err;
   wire [18:0]                     adr, bank_adr;
   wire [15:0]                     to_map, from_map, to_bank, from_bank;
+  wire                            rx_active, health_stb, health_ack, health_clear;
+  wire [2:0]                      health_adr;
+  wire [15:0]                     health_dat;
 
   modbus_rtu_core #(
-    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .BIT_FRACTIONS(BIT_FRACTIONS), .FUNCTION_CODES(TABLE_CODES)
+    .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .BIT_FRACTIONS(BIT_FRACTIONS), .ASCII_MODE(ASCII_MODE),
+    .FUNCTION_CODES(TABLE_CODES)
   ) u_core (
     .clk_i(clk_i), .rst_i(rst_i), .rxd_i(rxd_i), .txd_o(txd_o), .de_o(de_o), .settings_i(settings),
     .host_state_i(host_state), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
     .user_reply_i(`MB_NO_USER), .status_stb_i(status_stb), .status_adr_i(status_adr), .status_dat_o(status_dat),
     .status_ack_o(status_ack), .write_stb_o(write_stb_o),
     .events_o({err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o}),
-    .alive_o(), .rx_active_o(), .listen_only_o(listen_only_o), .unit_o(), .idle_o(idle_o),
+    .alive_o(), .rx_active_o(rx_active), .listen_only_o(listen_only_o), .unit_o(), .idle_o(idle_o),
 `include "modbus_bank_core_inst.vh"
   );
 
@@ -98,16 +104,30 @@ module host_map_bench #(
   assign write_file_o  = grant_file;
 
   modbus_host_map #(
-    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .INITIAL_SETTINGS(SETTINGS),
-    .INITIAL_STATE(`MB_HOST_AT_REST)
+    .HOST_MAP(HOST_MAP), .HOST_SETTINGS(HOST_SETTINGS), .BIT_FRACTIONS(BIT_FRACTIONS), .ASCII_MODE(ASCII_MODE),
+    .LINE_HEALTH(LINE_HEALTH), .INITIAL_SETTINGS(SETTINGS), .INITIAL_STATE(`MB_HOST_AT_REST)
   ) u_map (
     .clk_i(clk_i), .rst_i(rst_i), .host_cyc_i(cyc), .host_stb_i(stb), .host_we_i(we), .host_adr_i(adr),
     .host_dat_i(to_map), .host_dat_o(from_map), .host_ack_o(ack), .host_err_o(err), .bank_cyc_o(bank_cyc),
     .bank_stb_o(bank_stb), .bank_we_o(bank_we), .bank_adr_o(bank_adr), .bank_dat_o(to_bank), .bank_dat_i(from_bank),
     .bank_ack_i(bank_ack), .bank_err_i(bank_err), .status_stb_o(status_stb), .status_adr_o(status_adr),
-    .status_dat_i(status_dat), .status_ack_i(status_ack), .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST),
+    .status_dat_i(status_dat), .status_ack_i(status_ack), .health_stb_o(health_stb),
+    .health_adr_o(health_adr), .health_dat_i(health_dat), .health_ack_i(health_ack), .health_clear_o(health_clear),
+    .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST),
     .write_lock_i(1'b0), .idle_i(idle_o), .settings_o(settings), .host_state_o(host_state), .write_lock_o(write_lock)
   );
+
+  generate
+    if (LINE_HEALTH != 0) begin : gen_health
+      modbus_line_health u_health (
+        .clk_i(clk_i), .rst_i(rst_i), .clear_i(health_clear), .rxd_i(rxd_i), .de_i(de_o), .rx_active_i(rx_active),
+        .events_i({err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o}),
+        .settings_i(settings), .stb_i(health_stb), .adr_i(health_adr), .dat_o(health_dat), .ack_o(health_ack)
+      );
+    end else begin : gen_no_health
+      assign {health_dat, health_ack} = 17'd0;
+    end
+  endgenerate
 
   modbus_bank_ram #(
 `include "modbus_tables_inst.vh"

@@ -54,6 +54,8 @@ MISTAKES = [
     Mistake("map_fraction_is_always_there", "modbus_host_map.v", "((BIT_FRACTIONS != 0) | (item", "(1'b1 | (item"),
     Mistake("map_takes_any_write", "modbus_host_map.v", "(HOST_SETTINGS != 0) & settings_exist &", "settings_exist &"),
     Mistake("map_counter_that_is_not_there", "modbus_host_map.v", "number <= 7'h12", "number <= 7'h13"),
+    Mistake("map_writes_do_not_clear_the_words", "modbus_host_map.v", "stb & health & host_we_i;", "1'b0;"),
+    Mistake("map_reading_clears_the_words", "modbus_host_map.v", "stb & health & host_we_i;", "stb & health;"),
     Mistake("map_lets_the_memory_go", "modbus_host_map.v", "bank_cyc_o = host_cyc_i;", "bank_cyc_o = bank_stb_o;"),
     Mistake("map_left_out_is_there", "modbus_host_map.v", "(HOST_MAP != 0) & (host_adr_i", "(host_adr_i"),
 ]

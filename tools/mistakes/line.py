@@ -60,10 +60,17 @@ MISTAKES = [
     ),
     Mistake("health_own_frames_heard", "modbus_line_health.v", "line      = rxd_sync | de_i;", "line      = rxd_sync;"),
     Mistake(
-        "health_any_write_clears",
-        "modbus_example_health.v",
-        "(wb_adr == {`MB_SPACE_COILS, 16'd0}) & wb_write[0]",
-        "(wb_adr == {`MB_SPACE_COILS, 16'd0})",
+        "health_coil_clears_while_it_is_1",
+        "modbus_rtu_slave_io.v",
+        "assign clear = coil & ~coil_q;",
+        "assign clear = coil;",
+    ),
+    Mistake("health_coil_counts_from_0", "modbus_rtu_slave_io.v", "coils_o[HEALTH_COIL - COIL_BASE]", "coils_o[HEALTH_COIL % COIL_WIDTH]"),
+    Mistake(
+        "health_words_are_the_first_registers",
+        "modbus_rtu_slave_io.v",
+        "FIRST_WORD = INPUT_BASE + INPUT_COUNT - 8",
+        "FIRST_WORD = INPUT_BASE",
     ),
     Mistake("units_broadcast_is_a_unit", "modbus_units.v", "ours_i & legal)", "ours_i)"),
     Mistake(

@@ -28,7 +28,6 @@ MODULES_ALONE = {
     "bank_io": ("modbus_bank_io.v",),
     "auto_line": ("modbus_auto_line.v", "modbus_run_ram.v"),
     "line_health": ("modbus_line_health.v", "modbus_health_ram.v"),
-    "example_health": ("modbus_example_health.v",),
     "example_units": ("modbus_units.v", "modbus_example_units.v"),
     "sequencer": ("modbus_sequencer.v",),
     "range": ("modbus_range.v",),
@@ -84,6 +83,7 @@ SELECTION = [
     ("diagnostics_counters", None),
     ("diagnostics_modes", None),
     ("files", None),
+    ("health_registers", None),
     *((suite, None) for suite in BUSES),
 ]
 # What is tried first for a mistake in a file, since it is about that file.
@@ -98,6 +98,7 @@ FIRST = {
     "modbus_routines_identity.vh": IDENTITY,
     "modbus_routines_files.vh": ("files", "core_files", "fifo"),
     "modbus_routines_diagnostics.vh": ("diagnostics_modes", "diagnostics_counters"),
+    "modbus_rtu_slave_io.v": ("health_registers",),
     "modbus_diagnostics.v": ("diagnostics", "diagnostics_counters", "diagnostics_modes"),
     "modbus_bank_guard.v": ("bank_guard", "functions_mapped"),
     "modbus_bank_ram.v": ("functions_mapped", "files", "options"),

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""modbus_example_health at the pins: each fault on the line, and what a master then reads by function code 04."""
+"""LINE_HEALTH of modbus_rtu_slave_io at the pins: a fault on the line, and what a master then reads by function code 04."""
 
 import cocotb
 from cocotb.triggers import Timer, ValueChange
 from cocotb.utils import get_sim_time
+from harness.bench import PARAMETERS
 from harness.unit import CLOCK_PS, start
 from harness.wave import decode, encode, low
 from protocol import frames
@@ -14,6 +15,9 @@ BIT = 16  # clocks
 BIT_PS = BIT * CLOCK_PS
 ADDRESS = 17
 WORDS = 8
+FIRST, COUNT = PARAMETERS["INPUT_BASE"], PARAMETERS["INPUT_COUNT"]  # the words are the last eight
+OWN_INPUTS, AT = COUNT - WORDS, FIRST + COUNT - WORDS
+COIL = PARAMETERS["HEALTH_COIL"]
 NOTHING = frames.adu(5, frames.read(3, 0, 1))  # a good frame for another slave
 
 
@@ -54,12 +58,14 @@ class Master:
 
     async def words(self, first=0, count=WORDS):
         """What function code 04 reads."""
-        answer = await self.ask(frames.adu(ADDRESS, frames.read(4, first, count)))
+        answer = await self.ask(frames.adu(ADDRESS, frames.read(4, AT + first, count)))
         assert answer[:3] == bytes([ADDRESS, 4, 2 * count]), frames.text(answer)
         return frames.unpack_words(answer[3:-2])
 
     async def clear(self):
-        request = frames.adu(ADDRESS, frames.write_coil(0, True))
+        request = frames.adu(ADDRESS, frames.write_coil(COIL, True))
+        assert await self.ask(request) == request
+        request = frames.adu(ADDRESS, frames.write_coil(COIL, False))
         assert await self.ask(request) == request
 
 
@@ -110,7 +116,7 @@ async def fault_on_the_line_is_in_its_register(dut):
 @cocotb.test()
 async def master_reads_its_own_rate_and_gaps(dut):
     master = await begin(dut)
-    request = frames.adu(ADDRESS, frames.read(4, 6, 2))
+    request = frames.adu(ADDRESS, frames.read(4, AT + 6, 2))
     for offset in (-0.02, 0.0, 0.02):
         await master.clear()
         answer = await master.ask(request, offset=offset)
@@ -122,28 +128,52 @@ async def master_reads_its_own_rate_and_gaps(dut):
 
 
 @cocotb.test()
-async def coil_0_clears(dut):
+async def coil_clears_when_it_turns_1(dut):
+    """No other coil does, and not while it stays 1."""
     master = await begin(dut)
-    for _ in range(3):
+
+    async def spoil():
         await master.play(low(0.25 * BIT_PS))
         await master.ask(frames.bad_crc(NOTHING))
         words = await master.words()
-        assert words[0] == 1 and words[4] == 1
-        off = frames.adu(ADDRESS, frames.write_coil(0, False))
-        assert await master.ask(off) == off
-        assert (await master.words())[:6] == words[:6], "a 0 clears"
+        assert words[0] == 1 and words[4] == 1, f"{words}"
+
+    async def write(coil, on):
+        request = frames.adu(ADDRESS, frames.write_coil(coil, on))
+        assert await master.ask(request) == request
+
+    for _ in range(2):
+        await spoil()
+        await write(COIL, False)
+        await write(COIL - 1, True)
+        assert (await master.words())[:6] == [1, 0, 0, 0, 1, 0], "another coil or a 0 clears"
+        await write(COIL, True)
+        assert (await master.words())[:6] == [0] * 6
+        await spoil()
+        await write(COIL, True)
+        assert (await master.words())[:6] == [1, 0, 0, 0, 1, 0], "a 1 behind a 1 clears"
+        await write(COIL, False)
+        await write(COIL - 1, False)
         await master.clear()
         assert (await master.words())[:6] == [0] * 6
 
 
 @cocotb.test()
 async def ranges_and_other_tables_are_those_of_the_bank(dut):
+    """Input registers in front of the words are the user's; a read may go over both; behind them is nothing."""
     master = await begin(dut)
-    for first, count in ((0, 9), (8, 1), (7, 2)):
+    own = [0xA000 + place for place in range(OWN_INPUTS)]
+    ones = [0xFFFF] * WORDS  # these bits do not count
+    dut.inputs_i.value = sum(word << 16 * place for place, word in enumerate(own + ones))
+    await master.ask(frames.bad_crc(NOTHING))
+    answer = await master.ask(frames.adu(ADDRESS, frames.read(4, FIRST, COUNT)))
+    words = frames.unpack_words(answer[3:-2])
+    assert words[:OWN_INPUTS] == own and words[OWN_INPUTS:][:6] == [0, 0, 0, 0, 1, 0], f"{words}"
+    for first, count in ((FIRST, COUNT + 1), (AT + WORDS, 1), (AT + 7, 2), (FIRST - 1, 2)):
         answer = await master.ask(frames.adu(ADDRESS, frames.read(4, first, count)))
         assert answer == frames.adu(ADDRESS, bytes([0x84, EX.ADDRESS])), frames.text(answer)
-    await master.ask(frames.adu(ADDRESS, frames.write_registers(0, list(range(100, 108)))))
-    answer = await master.ask(frames.adu(ADDRESS, frames.read(3, 0, 8)))
+    await master.ask(frames.adu(ADDRESS, frames.write_registers(AT, list(range(100, 108)))))
+    answer = await master.ask(frames.adu(ADDRESS, frames.read(3, AT, 8)))
     assert frames.unpack_words(answer[3:-2]) == list(range(100, 108))
-    answer = await master.ask(frames.adu(ADDRESS, frames.read(1, 0, 1)))
+    answer = await master.ask(frames.adu(ADDRESS, frames.read(1, COIL, 1)))
     assert answer == frames.adu(ADDRESS, bytes([1, 1, 0]))
