@@ -103,7 +103,9 @@ SET = {
 # The words are input registers 13 to 20, coil 6 clears them
 HEALTH = {
     **NO_FLOORS,
-    **table_parameters({Space.COILS: (4, 5), Space.DISCRETES: (0, 0), Space.INPUTS: (10, 11), Space.HOLDINGS: (10, 12)}),
+    **table_parameters(
+        {Space.COILS: (4, 5), Space.DISCRETES: (0, 0), Space.INPUTS: (10, 11), Space.HOLDINGS: (10, 12)}
+    ),
     "CLK_HZ": 16_000,
     "BAUD": 1000,
     "ADDRESS": 17,

@@ -159,7 +159,10 @@ READ_BACK = plain(READ_BACK_RAM=(0, 1))
 HOST_MAP_SWITCHES = ("HOST_MAP", "HOST_SETTINGS", "BIT_FRACTIONS", "ASCII_MODE", "LINE_HEALTH")
 SPACE: dict[str, list[Group]] = {
     "modbus_rtu_core": [clock, codes, LIMITS],
-    "modbus_rtu_slave": [plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), LINE_HEALTH=(0, 1)), settings, codes, LIMITS, tables()],
+    "modbus_rtu_slave": [
+        plain(HOST_MAP=(0, 1), HOST_SETTINGS=(0, 1), LINE_HEALTH=(0, 1)),
+        *(settings, codes, LIMITS, tables()),
+    ],
     "modbus_rtu_slave_io": [settings, codes, LIMITS, IO_TABLES, READ_BACK],
     "modbus_bank_guard": [tables()],
     "modbus_bank_ram": [tables()],

@@ -176,6 +176,7 @@ async def line_health_is_read_and_cleared(dut):
             assert found[:6] == [0, 0, 0, 0, times, 0], f"bad check fields: {found}"
         await tb.compare_counters("beside the words")
         assert await tb.cpu.write(CORE, item, 0xFFFF)
+        await tb.clocks(64)
         assert await words() == [0] * 8, f"cleared by item {item:02X}"
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""LINE_HEALTH of modbus_rtu_slave_io at the pins: a fault on the line, and what a master then reads by function code 04."""
+"""LINE_HEALTH of modbus_rtu_slave_io at the pins: a fault on the line, then what a master reads by function code 04."""
 
 import cocotb
 from cocotb.triggers import Timer, ValueChange

@@ -65,7 +65,12 @@ MISTAKES = [
         "assign clear = coil & ~coil_q;",
         "assign clear = coil;",
     ),
-    Mistake("health_coil_counts_from_0", "modbus_rtu_slave_io.v", "coils_o[HEALTH_COIL - COIL_BASE]", "coils_o[HEALTH_COIL % COIL_WIDTH]"),
+    Mistake(
+        "health_coil_counts_from_0",
+        "modbus_rtu_slave_io.v",
+        "coils_o[HEALTH_COIL - COIL_BASE]",
+        "coils_o[HEALTH_COIL % COIL_WIDTH]",
+    ),
     Mistake(
         "health_words_are_the_first_registers",
         "modbus_rtu_slave_io.v",
