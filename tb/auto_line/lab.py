@@ -14,10 +14,17 @@ from protocol.defs import FC, FORMATS
 HARNESS = Path(__file__).resolve().parent / "harness.cpp"
 RATES = (1200, 2400, 4800, 9600, 19200, 38400, 57600, 115200, 230400)
 CLK_HZ = 12_000_000
+SLOW_HZ, SLOW_RATE = 1_500_000, 9600  # clock of a device for volume, up to this rate: an eighth of the time to simulate
+NOISE_HZ = 3_000_000  # for long noise: 26 clocks a bit at 115200 baud
 OWN = 17
 PATIENCE_BITS = 600  # of a master, beyond the fixed part
 PATIENCE_S = 0.020
 T35_BITS, T35_S = 40, 0.00175  # silence between two frames
+
+
+def clock_for(rate):
+    """The clock of a device for volume at a rate."""
+    return SLOW_HZ if rate <= SLOW_RATE else CLK_HZ
 
 
 def library(**parameters):
@@ -154,4 +161,4 @@ def start(device, rate, fmt, rng, most=4, **faults):
     return most + 1
 
 
-__all__ = ["CLK_HZ", "FORMATS", "OWN", "RATES", "Device", "Found", "Master", "request", "start"]
+__all__ = ["CLK_HZ", "FORMATS", "OWN", "RATES", "Device", "Found", "Master", "clock_for", "request", "start"]

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 from protocol import frames
 
-from .lab import FORMATS, OWN, RATES, Device, Master, request, start
+from .lab import FORMATS, OWN, RATES, Device, Master, clock_for, request, start
 
 SEED = 1
 MOST = 4  # requests that are tried
@@ -21,17 +21,17 @@ def fits_two(frame):
 
 def starts(each, seed=SEED, rates=RATES):
     """{(rate, format name): Counter of requests until the first answer} of so many random starts for each."""
-    found = {}
+    pairs = [(rate, fmt) for rate in sorted(rates) for fmt in FORMATS]  # the slowest, which take longest, first
     with ProcessPoolExecutor() as pool:
-        for rows in pool.map(_starts_at, rates, [each] * len(rates), [seed] * len(rates)):
-            found |= rows
-    return found
+        found = pool.map(_starts_of, pairs, [each] * len(pairs), [seed] * len(pairs))
+        return {(rate, fmt.name): counter for (rate, fmt), counter in zip(pairs, found)}
 
 
-def _starts_at(rate, each, seed):
-    """`starts` at one rate, with a device and random numbers of its own."""
-    rng, device = random.Random(seed + rate), Device()
-    found = {(rate, fmt.name): Counter(start(device, rate, fmt, rng) for _ in range(each)) for fmt in FORMATS}
+def _starts_of(pair, each, seed):
+    """The Counter of a rate and format, with a device and random numbers of its own."""
+    rate, fmt = pair
+    rng, device = random.Random(seed + rate + fmt.code), Device(clock_for(rate))
+    found = Counter(start(device, rate, fmt, rng) for _ in range(each))
     device.close()
     return found
 

@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT / "tb"), str(ROOT / "tools")]
 from harness.volume import volume  # noqa: E402
 
 from auto_line import measure  # noqa: E402
-from auto_line.lab import FORMATS, RATES, library  # noqa: E402
+from auto_line.lab import FORMATS, RATES, clock_for, library  # noqa: E402
 
 DOCUMENT, PLOT = ROOT / "docs/auto_line.md", ROOT / "docs/auto_line.svg"
 MARKS = re.compile(r"(<!-- starts table begin -->\n).*?(<!-- starts table end -->)", re.DOTALL)
@@ -76,7 +76,8 @@ def plot(counts):
 
 
 def main():
-    library()  # compiled once, before there are several processes
+    for hz in sorted(set(map(clock_for, RATES))):
+        library(CLK_HZ=hz)  # compiled once, before there are several processes
     wanted = int(os.environ.get("COUNT") or volume("random starts of the automatic line"))
     counts = measure.starts(max(1, round(wanted / (len(RATES) * len(FORMATS)))))
     PLOT.write_text(plot(counts), encoding="utf-8")
