@@ -150,8 +150,8 @@ module modbus_line #(
     .receiving_i(receiving), .sending_i(tx_sending), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
     .t15_o(t15), .t35_o(t35), .rest_o(rest), .wait_stb_i(verdict_i[`MB_VERDICT_SEND]),
     .wait_clear_i(sending_o ? tx_wait_clear : counts_silence ? receiving : ~bank_waits_i),
-    .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : counts_silence ? timeout : stall_limit),
-    .wait_short_i(sending_o & tx_wait_short), .wait_ticks_i(counts_silence),
+    .wait_limit_i(sending_o ? {4'd0, tx_wait_limit} : stall_limit), .wait_short_i(sending_o & tx_wait_short),
+    .wait_ticks_i(counts_silence), .tick_limit_i(timeout),
     .wait_over_o(wait_over)
   );
 
@@ -167,9 +167,9 @@ module modbus_line #(
       modbus_ascii u_ascii (
         .clk_i(clk_i), .rst_i(rst_i), .ascii_i(ascii),
         .delimiter_stb_i(verdict_i[`MB_VERDICT_DELIMITER]), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
-        .receiving_i(rx_active_o), .open_stb_i(ram_do_o[`MB_RAM_OPEN]), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
+        .receiving_i(rx_active_o), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
         .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(wait_over), .rest_i(rest), .start_stb_o(frame_start), .half_o(half),
-        .whole_o(whole), .byte_o(rx_byte_o), .up_stb_o(ram_do_o[`MB_RAM_UP]), .check_ok_o(check_ok),
+        .whole_o(whole), .byte_o(rx_byte_o), .check_ok_o(check_ok),
         .t15_o(frame_t15), .t35_o(frame_t35), .valid_i(tx_valid), .check_i(tx_check), .last_i(tx_last),
         .frame_byte_i(frame_byte_i), .ready_o(tx_ready), .data_o(uart_data), .check_o(uart_check),
         .ready_i(uart_ready)
@@ -187,7 +187,6 @@ module modbus_line #(
       assign uart_data   = frame_byte_i;
       assign uart_check  = tx_check;
       assign tx_ready    = uart_ready;
-      assign ram_do_o[`MB_RAM_UP] = 1'b0;
     end
   endgenerate
 

@@ -13,7 +13,7 @@
 //   Resolution: half a bit for the character times, a clock for the floors.
 //
 // Waits.  While wait_clear_i is low bits are counted; wait_over_o rises a clock behind the last of wait_limit_i.
-//   With wait_ticks_i it counts ticks of 2^TICK_BITS clocks of silence instead.
+//   With wait_ticks_i it counts ticks of 2^TICK_BITS clocks of silence instead, up to tick_limit_i.
 //   wait_stb_i begins a whole bit, so that the wait is not a part of one short.  A wait that runs is not disturbed by
 //   characters; a silence during one may be measured half a bit short.
 
@@ -46,7 +46,8 @@ module modbus_line_timer #(
   input  wire        wait_clear_i,   // level : nothing is waited for
   input  wire [15:0] wait_limit_i,   // bit times
   input  wire        wait_short_i,   // level : only the low four bits of the limit count
-  input  wire        wait_ticks_i,   // level : the limit is in ticks of silence
+  input  wire        wait_ticks_i,   // level : ticks of silence are counted
+  input  wire [15:0] tick_limit_i,
   output wire        wait_over_o     // level : the limit is reached; with limit 0 a clock behind wait_clear_i
 );
 
@@ -67,7 +68,7 @@ module modbus_line_timer #(
   wire       quarter_stb, bit_stb;
   wire [1:0] quarter;
   wire       half_stb = quarter_stb & quarter[0];
-  wire       unused   = &{1'b0, quarter[1], wait_ticks_i, tick};
+  wire       unused   = &{1'b0, quarter[1], wait_ticks_i, tick_limit_i, tick};
 
   // Silence begins with a whole bit.  A wait that begins in this clock is a clock too late to matter.
   reg        no_wait_q = 1'b1;
@@ -139,12 +140,15 @@ module modbus_line_timer #(
   reg         over_q = 1'b0;         // in a register: the comparison is long
   // Counting up from 0, the first number with all the bits of the limit is the limit itself.  A limit tied to 0 leaves
   // nothing of the counter.
-  wire        over   = &(bits_q[3:0] | ~wait_limit_i[3:0]) & (wait_short_i | &(bits_q[15:4] | ~wait_limit_i[15:4]));
+  wire        ticks     = (TICK_BITS != 0) & wait_ticks_i;
+  wire        over_bits = &(bits_q[3:0] | ~wait_limit_i[3:0]) & (wait_short_i | &(bits_q[15:4] | ~wait_limit_i[15:4]));
+  // The limit in ticks is nearly a constant: compared apart it costs a few cells, chosen before a cell a bit.
+  wire        over      = ticks ? &(bits_q | ~tick_limit_i) : over_bits;
 
   always @(posedge clk_i) begin
     over_q <= over & ~wait_clear_i;
     if (wait_clear_i)            bits_q <= 16'd0;
-    else if (((TICK_BITS != 0 && wait_ticks_i) ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
+    else if ((ticks ? tick : bit_stb) && !over_q) bits_q <= bits_q + 16'd1;
   end
 
   assign wait_over_o = over_q;
