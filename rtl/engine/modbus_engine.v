@@ -139,7 +139,7 @@ module modbus_engine #(
     .point_i(line_points | ram_do[`MB_DO_POINT]), .point_at_i(line_points ? 5'd0 : argument[`MB_ARG_PLACE]),
     .step_i(store | ram_do_i[`MB_RAM_NEXT] | ram_do[`MB_DO_STEP] | burst_put | burst_step | user_put),
     .clear_i(ram_do_i[`MB_RAM_OPEN] | ram_do[`MB_DO_CLEAR]),
-    .up_i(store | ram_do[`MB_DO_UP] | burst_put | user_put),
+    .up_i(store | ram_do_i[`MB_RAM_UP] | ram_do[`MB_DO_UP] | burst_put | user_put),
     .down_i(ram_do_i[`MB_RAM_NEXT] | ram_do[`MB_DO_DOWN] | burst_step),
     .keep_i(ram_do[`MB_DO_SAVE]), .recall_i(ram_do[`MB_DO_RECALL]), .peek_i(user_req_o), .peek_at_i(user_adr_i),
     .write_i(store | ram_do[`MB_DO_PUT] | burst_put | user_put),

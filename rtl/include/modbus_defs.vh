@@ -172,7 +172,8 @@
 `define MB_RAM_LOOK  1   // cursor to the first byte
 `define MB_RAM_STORE 2   // the received byte goes under the cursor; cursor and count up
 `define MB_RAM_NEXT  3   // a byte was sent: cursor up, count down
-`define MB_RAM_WIDTH 4
+`define MB_RAM_UP    4   // count up: a frame in ASCII mode has one check byte less than the engine takes off
+`define MB_RAM_WIDTH 5
 
 // What the engine tells the line: strobes of verdict
 `define MB_VERDICT_SEND    0   // send the answer that stands in the frame RAM

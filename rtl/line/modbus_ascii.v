@@ -9,12 +9,11 @@
 //   `:`                          start_stb_o: a frame begins.  A `:` inside a frame first ends that as a bad one, unless
 //                                nothing has come since its own `:`
 //   a character for half a byte  half_o with the character's strobe, whole_o too with the second: byte_o is complete
-//   CR                           likewise, as if it completed a byte: RTU has two check bytes
 //   the character behind CR      t35_o, when its stop bits have ended: the frame ends; a bad one if the character is not
 //                                the delimiter
 //   silence above the time-out   t15_o, then t35_o: the frame ends as a bad one
 //
-// check_ok_o is the verdict on the LRC and the characters.
+// up_stb_o makes up for the second check byte that RTU has.  check_ok_o is the verdict on the LRC and the characters.
 // Characters outside a frame are ignored.
 //
 // Sending, modbus_frame_tx offers bytes and then two check bytes.  `:` goes before the first byte, each byte goes as two
@@ -35,6 +34,7 @@ module modbus_ascii (
 
   // Received characters
   input  wire       receiving_i,     // level : a frame is being received
+  input  wire       open_stb_i,      // strobe: it begins: the frame RAM counts from 0
   input  wire       start_stb_i,     // strobe: a start bit
   input  wire       char_stb_i,      // strobe: a character is complete
   input  wire [7:0] data_i,          // level : it
@@ -46,9 +46,10 @@ module modbus_ascii (
 
   // To the frame receiver
   output wire       start_stb_o,     // strobe: a character that begins or continues a frame
-  output wire       half_o,          // level : with char_stb_i, it belongs to a byte, or is CR
-  output wire       whole_o,         // level : with char_stb_i, it completes the byte, or is CR
+  output wire       half_o,          // level : with char_stb_i, it belongs to a byte
+  output wire       whole_o,         // level : with char_stb_i, it completes the byte
   output wire [7:0] byte_o,          // level : the byte, until the next character
+  output wire       up_stb_o,        // strobe: one byte more than there is
   output wire       check_ok_o,      // level : the check field is right
   output wire       t15_o,
   output wire       t35_o,
@@ -81,6 +82,7 @@ module modbus_ascii (
   reg       close_q = 1'b0;          // the frame ends
   reg       colon_q = 1'b0;          // `:` came
   reg       start_q = 1'b0;          // a clock later: the frame before it has ended
+  reg       up_q = 1'b0;
 
   // ------------------------------------------------------------------ received characters
 
@@ -88,10 +90,9 @@ module modbus_ascii (
   wire       is_cr    = (data_i == CR);
   wire       ends     = (data_i == {1'b0, delimiter_q});
   wire       anew     = is_colon & ~(cr_q & ends);
-  wire       of_frame = ~cr_q & ~is_colon;
-  wire       of_byte  = of_frame & ~is_cr;
+  wire       of_byte  = ~cr_q & ~is_colon & ~is_cr;
   wire       heard    = char_stb_i & receiving_i;
-  wire       over     = over_i;
+  wire       over     = over_i & receiving_i;
   // A is 41H: a letter is 9 more than its low half.
   wire       letter   = data_i[6] & ascii_i;
   wire [3:0] received = {data_i[3] | letter, data_i[2] ^ (letter & data_i[1] & data_i[0]),
@@ -123,10 +124,11 @@ module modbus_ascii (
     began_q <= ~ascii_i | (valid_i & (began_q | ready_i));
     if (step && half_q) sum_q <= sum_q + {high_q, nibble};
     if (fresh) sum_q <= 8'hFF;
-    if (step & ~half_q) high_q <= nibble;
+    if (ascii_i ? step & ~half_q : char_stb_i) high_q <= ascii_i ? nibble : data_i[7:4];
 
     colon_q <= char_stb_i & (receiving_i ? anew : is_colon);
     start_q <= colon_q;
+    up_q    <= open_stb_i & ascii_i;
     // Another character may begin before the stop bits should have ended.
     end_q   <= (heard & cr_q & ~anew) | (end_q & rest_i & ~start_stb_i);
     close_q <= (heard & anew & any_q) | (end_q & (start_stb_i | ~rest_i)) | over;
@@ -136,13 +138,14 @@ module modbus_ascii (
 
     if (delimiter_stb_i)    delimiter_q <= frame_byte_i[6:0];
     if (restart_i || rst_i) delimiter_q <= LF;
-    if (rst_i) {colon_q, start_q, end_q, close_q} <= 4'd0;
+    if (rst_i) {colon_q, start_q, up_q, end_q, close_q} <= 5'd0;
   end
 
   assign start_stb_o = ascii_i ? start_q : start_stb_i;
-  assign half_o      = of_frame | ~ascii_i;
-  assign whole_o     = half_o & (half_q | is_cr);
-  assign byte_o      = {ascii_i ? high_q : data_i[7:4], nibble};
+  assign half_o      = of_byte | ~ascii_i;
+  assign whole_o     = half_o & half_q;
+  assign byte_o      = {high_q, nibble};
+  assign up_stb_o    = up_q;
   assign check_ok_o  = ascii_i ? (sum_q == 8'hFF) & ~wrong_q : crc_zero_i;
   assign t15_o       = ascii_i ? over_i : t15_i;
   assign t35_o       = ascii_i ? close_q : t35_i;
@@ -186,7 +189,6 @@ module modbus_ascii (
   reg [1:0] f_checks = 2'd0;         // so many check bytes
 
   wire f_data = char_stb_i & receiving_i & ~f_cr & (data_i != ":") & (data_i != 8'h0D);
-  wire f_first_cr = char_stb_i & receiving_i & ~f_cr & (data_i == 8'h0D);
   wire f_take = valid_i & ready_i;
   wire [7:0] f_lrc = 8'd0 - f_sum;
   wire f_delimits = f_cr & (data_i == {1'b0, delimiter_q});
@@ -256,7 +258,7 @@ module modbus_ascii (
     if (!ascii_i) begin
       // RTU: as it comes
       assert (start_stb_o == start_stb_i && half_o && whole_o && check_ok_o == crc_zero_i);
-      assert (t15_o == t15_i && t35_o == t35_i && ready_o == ready_i && check_o == check_i);
+      assert (t15_o == t15_i && t35_o == t35_i && ready_o == ready_i && check_o == check_i && !up_stb_o);
       if (valid_i && !check_i) assert (data_o == frame_byte_i);
       if ($past(char_stb_i) && !valid_i) assert (byte_o == $past(data_i));
     end else begin
@@ -268,8 +270,7 @@ module modbus_ascii (
         if (f_odd) assert (high_q == value(f_first) || !is_hex(f_first));
       end
       // A whole byte
-      if (char_stb_i && receiving_i)
-        assert (whole_o == ((f_data && f_odd) || f_first_cr) && half_o == (f_data || f_first_cr));
+      if (char_stb_i && receiving_i) assert (whole_o == (f_data && f_odd) && half_o == f_data);
       if (f_whole && !f_wrong && receiving_i) assert (byte_o == f_byte);
       // A frame is good only if each character was allowed, CR and the delimiter end it, and the LRC is right.
       if (receiving_i && t35_o && check_ok_o) assert (f_ended && !f_wrong && !f_odd && f_sum == 8'd0);

@@ -173,8 +173,12 @@ module modbus_frame_rx (
   reg [2:0] f_age = 3'd7;            // clocks since the last start bit, 7 and more
   wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
 
+  reg       f_bias = 1'b0;           // ASCII mode: the frame RAM counts one byte more than there is
+  wire      f_limit = ascii_i;       // and so a frame has one byte less
+
   always @(posedge clk_i) begin
     f_past <= 1'b1;
+    f_bias <= ascii_i & ~open_stb_o;
     f_age  <= start_stb_i ? 3'd0 : (f_age == 3'd7) ? 3'd7 : f_age + 3'd1;
     if (open_stb_o) begin
       f_clean  <= ~(ascii_i & (parity_error_i | framing_error_i));
@@ -186,7 +190,7 @@ module modbus_frame_rx (
   end
 
   always @* if (!f_past) assume (rst_i);
-  always @* if (reception && !open_stb_o) assume (count_i == f_stored);     // what the frame RAM does
+  always @* if (reception && !open_stb_o) assume (count_i == f_stored + {8'd0, f_bias});   // what the frame RAM does
   always @(posedge clk_i) if (f_past) begin
     assume ($stable(gap_count_only_i) && $stable(ascii_i));
     if (!ascii_i) assume (half_i && whole_i);
@@ -206,11 +210,11 @@ module modbus_frame_rx (
 
   always @(posedge clk_i) if (f_past) begin
     if (reception && !open_stb_o) begin
-      assert (f_stored <= 9'd256);
+      assert (f_stored <= 9'd256 - {8'd0, f_limit});
       assert (f_clean || parity_q || framing_q);
     end
     if (good) begin
-      assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 && f_stored <= 9'd256);
+      assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 - {8'd0, f_limit} && f_stored <= 9'd256 - {8'd0, f_limit});
       assert (gap_count_only_i || !gap_q);
       assert (!long_q);
       assert (!(f_error && !err_gap_o));
@@ -230,7 +234,7 @@ module modbus_frame_rx (
     if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good);
     cover (good_stb_o && f_stored == 9'd5);
     cover (err_gap_o && !good_stb_o);
-    cover (ascii_i && good_stb_o && f_stored == 9'd4);
+    cover (ascii_i && good_stb_o && f_stored == 9'd3);
     cover (err_overrun_o);
   end
 `endif

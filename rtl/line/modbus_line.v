@@ -167,9 +167,9 @@ module modbus_line #(
       modbus_ascii u_ascii (
         .clk_i(clk_i), .rst_i(rst_i), .ascii_i(ascii),
         .delimiter_stb_i(verdict_i[`MB_VERDICT_DELIMITER]), .restart_i(verdict_i[`MB_VERDICT_RESTART]),
-        .receiving_i(rx_active_o), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
+        .receiving_i(rx_active_o), .open_stb_i(ram_do_o[`MB_RAM_OPEN]), .start_stb_i(start_stb), .char_stb_i(char_stb), .data_i(uart_received),
         .crc_zero_i(crc_zero), .t15_i(t15), .t35_i(t35), .over_i(wait_over), .rest_i(rest), .start_stb_o(frame_start), .half_o(half),
-        .whole_o(whole), .byte_o(rx_byte_o), .check_ok_o(check_ok),
+        .whole_o(whole), .byte_o(rx_byte_o), .up_stb_o(ram_do_o[`MB_RAM_UP]), .check_ok_o(check_ok),
         .t15_o(frame_t15), .t35_o(frame_t35), .valid_i(tx_valid), .check_i(tx_check), .last_i(tx_last),
         .frame_byte_i(frame_byte_i), .ready_o(tx_ready), .data_o(uart_data), .check_o(uart_check),
         .ready_i(uart_ready)
@@ -187,6 +187,7 @@ module modbus_line #(
       assign uart_data   = frame_byte_i;
       assign uart_check  = tx_check;
       assign tx_ready    = uart_ready;
+      assign ram_do_o[`MB_RAM_UP] = 1'b0;
     end
   endgenerate
 
