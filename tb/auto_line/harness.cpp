@@ -113,10 +113,12 @@ void auto_send(void *h, const uint8_t *data, int count, double bit, int format, 
   d->until(time + shift);
 }
 
-// Waits for an answer that is sent with this bit time and format.  Returns its bytes, 0 for none within `patience`
+// Waits for an answer that is sent with this bit time and format; of two stop bits the first is looked at, as UARTs do.
+// Returns its bytes, 0 for none within `patience`
 // clocks, -1 if what came is not this format.  `begin`: clock of its first start bit.
 int auto_answer(void *h, double bit, int format, double patience, uint8_t *data, int room, double *begin) {
   auto *d = static_cast<Device *>(h);
+  if (format == 2) format = 3;
   d->heard.clear();
   d->drove = 0;
   const double end = d->now + patience;
