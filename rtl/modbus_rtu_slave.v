@@ -15,7 +15,7 @@
 module modbus_rtu_slave #(
   parameter integer HOST_MAP      = 1,           // 1: counters, event log and settings are space 5 of the host port
   parameter integer HOST_SETTINGS = 0,           // 1: the host may change the settings at run time
-  parameter integer LINE_HEALTH   = 0,           // 1: items 20 to 27 of space 5 are the words of modbus_line_health
+  parameter integer LINE_HEALTH   = 0,           // 1: and in it, items 20 to 27, the words of modbus_line_health
 `include "modbus_settings.vh"
   ,
 `include "modbus_tables.vh"
@@ -48,6 +48,12 @@ module modbus_rtu_slave #(
   output wire [15:0] write_file_o,               //   space 4: file number
   output wire        alive_o                     // level : a master talks to us
 );
+
+  generate
+    if (LINE_HEALTH < 0 || LINE_HEALTH > 1) begin : gen_line_health
+      ERROR_modbus_rtu_slave_LINE_HEALTH_is_0_or_1 illegal_parameter ();
+    end
+  endgenerate
 
 `include "modbus_settings_value.vh"
 `include "modbus_table_codes.vh"
@@ -97,8 +103,8 @@ module modbus_rtu_slave #(
     .bank_dat_o(bank_write), .bank_dat_i(bank_read), .bank_ack_i(bank_ack), .bank_err_i(bank_err),
     .status_stb_o(status_stb), .status_adr_o(status_adr), .status_dat_i(status_read), .status_ack_i(status_ack),
     .health_stb_o(health_stb), .health_adr_o(health_adr), .health_dat_i(health_read), .health_ack_i(health_ack),
-    .health_clear_o(health_clear), .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST), .write_lock_i(1'b0), .idle_i(idle), .settings_o(settings),
-    .host_state_o(host_state), .write_lock_o(write_lock)
+    .health_clear_o(health_clear), .settings_i(SETTINGS), .host_state_i(`MB_HOST_AT_REST), .write_lock_i(1'b0),
+    .idle_i(idle), .settings_o(settings), .host_state_o(host_state), .write_lock_o(write_lock)
   );
 
   generate

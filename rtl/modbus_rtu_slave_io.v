@@ -48,10 +48,14 @@ module modbus_rtu_slave_io #(
 );
 
   generate
+    if (LINE_HEALTH < 0 || LINE_HEALTH > 1) begin : gen_line_health
+      ERROR_modbus_rtu_slave_io_LINE_HEALTH_is_0_or_1 illegal_parameter ();
+    end
     if (LINE_HEALTH != 0 && (INPUT_COUNT < 8 || OVERLAY != 0)) begin : gen_registers
       ERROR_modbus_rtu_slave_io_LINE_HEALTH_needs_8_input_registers_and_OVERLAY_0 illegal_parameter ();
     end
-    if (LINE_HEALTH != 0 && HEALTH_COIL != 65536 && (HEALTH_COIL < COIL_BASE || HEALTH_COIL >= COIL_BASE + COIL_COUNT)) begin : gen_coil
+    if (LINE_HEALTH != 0 && HEALTH_COIL != 65536 &&
+        (HEALTH_COIL < COIL_BASE || HEALTH_COIL >= COIL_BASE + COIL_COUNT)) begin : gen_coil
       ERROR_modbus_rtu_slave_io_HEALTH_COIL_is_a_coil_of_the_table_or_65536 illegal_parameter ();
     end
   endgenerate
@@ -78,7 +82,6 @@ module modbus_rtu_slave_io #(
 `include "modbus_bank_core_inst.vh"
   );
   // verilator lint_on PINCONNECTEMPTY
-
 
   // ------------------------------------------------------------------ line health
 
