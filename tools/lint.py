@@ -141,18 +141,18 @@ def verilog_jobs(modules: list[str], seed: int, full: bool, quick: bool = False)
             if not parameters:
                 # SystemVerilog keywords as names: users' tools, waveforms and proofs read the files as such.
                 jobs.append(Job(f"iverilog as SystemVerilog {label}", [*icarus, "-g2012", *files]))
-        jobs.append(yosys_job(top, [p for p in chosen if parameter_space.memory(p) <= YOSYS_ITEMS]))
+        jobs.append(yosys_job(top, files, [p for p in chosen if parameter_space.memory(p) <= YOSYS_ITEMS]))
     return jobs
 
 
 def files_of(top: str) -> list[str]:
     """The files of a module and of all below it: a linter that reads every file takes three times as long."""
     places = {Path(name).stem: name for name in all_files()}
-    found, open_ = set(), [top]
-    while open_:
-        if (module := open_.pop()) not in found:
+    found, left = set(), [top]
+    while left:
+        if (module := left.pop()) not in found:
             found.add(module)
-            open_ += set(re.findall(r"\bmodbus_\w+", (ROOT / places[module]).read_text())) & places.keys()
+            left += set(re.findall(r"\bmodbus_\w+", (ROOT / places[module]).read_text())) & places.keys()
     return [name for name in all_files() if Path(name).stem in found]
 
 
@@ -161,9 +161,9 @@ def labelled(top: str, parameters: dict[str, str]) -> str:
     return top + "".join(f" {k}={v}" for k, v in parameters.items())
 
 
-def yosys_job(top: str, chosen: list[dict[str, str]]) -> Job:
+def yosys_job(top: str, files: list[str], chosen: list[dict[str, str]]) -> Job:
     """All parameter sets of a module in one run, which reads the files once.  It ends with the first error."""
-    steps = [f"read_verilog -defer {' '.join(include_options())} {' '.join(files_of(top))}", "design -save read"]
+    steps = [f"read_verilog -defer {' '.join(files)}", "design -save read"]
     for parameters in chosen:
         chparam = " ".join(f"-chparam {k} {v}" for k, v in parameters.items())
         steps += ["design -load read", f"log {NOW} {labelled(top, parameters)}"]
@@ -206,23 +206,23 @@ def board_jobs() -> list[Job]:
     return jobs
 
 
-def messages_of(job: Job) -> list[str]:
-    """Run one job; its messages, or one that says it failed."""
+def messages_of(job: Job) -> list[tuple[str, str]]:
+    """Run one job; its messages, or one that says it failed, each with a label."""
     try:
         done = subprocess.run(job.command, cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=LIMIT_S)
     except FileNotFoundError:
-        return [f"{job.command[0]}: not installed"]
+        return [(f"{job.command[0]}: not installed", job.label)]
     except subprocess.TimeoutExpired:
-        return [f"no end after {LIMIT_S} s"]
+        return [(f"no end after {LIMIT_S} s", job.label)]
     text = done.stdout + done.stderr
-    found, now = [], ""
+    found, label = [], job.label
     for line in text.splitlines():
         if line.startswith(f"{NOW} "):
-            now = f" [{line.removeprefix(NOW).strip()}]"
+            label = f"yosys {line.removeprefix(NOW).strip()}"
         elif MESSAGE.search(line) and "Exiting due to" not in line:
-            found.append(line.strip() + now)
+            found.append((line.strip(), label))
     if done.returncode and not found:
-        found = [f"exit status {done.returncode}: " + " / ".join(text.strip().splitlines()[-3:])]
+        found = [(f"exit status {done.returncode}: " + " / ".join(text.strip().splitlines()[-3:]), label)]
     return found
 
 
@@ -326,11 +326,11 @@ def main() -> int:
     print(f"linting {len(modules)} modules, {len(jobs)} runs, random parameters: SEED={seed}", flush=True)
     seen: dict[str, str] = {}
     with ThreadPoolExecutor(2) as pool:
-        for job, found in zip(jobs, pool.map(messages_of, jobs)):
-            for message in found:
+        for found in pool.map(messages_of, jobs):
+            for message, label in found:
                 if message not in seen:
-                    seen[message] = job.label
-                    print(f"{message}   [{job.label}]", flush=True)
+                    seen[message] = label
+                    print(f"{message}   [{label}]", flush=True)
     for message in python_messages() + house_messages() if everything or quick else []:
         seen[message] = "house"
         print(message)

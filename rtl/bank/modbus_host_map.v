@@ -36,8 +36,8 @@
 // them, and a write answers err: inputs that are constants cost nothing.
 // The core takes a setting at once: write rate and format while item 8C is 1.
 //
-// Items of 80 and above answer in the clock of the strobe, those below when the status port or modbus_line_health does.  An access to space 5
-// keeps host_cyc_i at the bank, so it may stand in a block that is one piece for the line.
+// Items of 80 and above answer in the clock of the strobe, those below when the status port or modbus_line_health does.
+// An access to space 5 keeps host_cyc_i at the bank, so it may stand in a block that is one piece for the line.
 // HOST_MAP = 0 leaves the map out: the bank answers err to space 5, and no cell is used.
 
 `default_nettype none

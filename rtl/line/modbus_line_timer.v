@@ -138,9 +138,9 @@ module modbus_line_timer #(
 
   reg  [15:0] bits_q = 16'd0;
   reg         over_q = 1'b0;         // in a register: the comparison is long
+  wire        ticks     = (TICK_BITS != 0) & wait_ticks_i;
   // Counting up from 0, the first number with all the bits of the limit is the limit itself.  A limit tied to 0 leaves
   // nothing of the counter.
-  wire        ticks     = (TICK_BITS != 0) & wait_ticks_i;
   wire        over_bits = &(bits_q[3:0] | ~wait_limit_i[3:0]) & (wait_short_i | &(bits_q[15:4] | ~wait_limit_i[15:4]));
   // The limit in ticks is nearly a constant: compared apart it costs a few cells, chosen before a cell a bit.
   wire        over      = ticks ? &(bits_q | ~tick_limit_i) : over_bits;

@@ -5,6 +5,7 @@
 import random
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 from protocol import frames
 
@@ -23,7 +24,7 @@ def starts(each, seed=SEED, rates=RATES):
     """{(rate, format name): Counter of requests until the first answer} of so many random starts for each."""
     pairs = [(rate, fmt) for rate in sorted(rates) for fmt in FORMATS]  # the slowest, which take longest, first
     with ProcessPoolExecutor() as pool:
-        found = pool.map(_starts_of, pairs, [each] * len(pairs), [seed] * len(pairs))
+        found = pool.map(partial(_starts_of, each=each, seed=seed), pairs)
         return {(rate, fmt.name): counter for (rate, fmt), counter in zip(pairs, found)}
 
 

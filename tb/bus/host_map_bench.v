@@ -85,6 +85,9 @@ module host_map_bench #(
   wire [2:0]                      health_adr;
   wire [15:0]                     health_dat;
 
+  wire [`MB_EVENTS_WIDTH-1:0] events;
+  assign {err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o} = events;
+
   modbus_rtu_core #(
     .T15_MIN_US(T15_MIN_US), .T35_MIN_US(T35_MIN_US), .BIT_FRACTIONS(BIT_FRACTIONS), .ASCII_MODE(ASCII_MODE),
     .FUNCTION_CODES(TABLE_CODES)
@@ -93,7 +96,7 @@ module host_map_bench #(
     .host_state_i(host_state), .user_req_o(), .user_count_o(), .user_adr_i(8'd0), .user_dat_o(),
     .user_reply_i(`MB_NO_USER), .status_stb_i(status_stb), .status_adr_i(status_adr), .status_dat_o(status_dat),
     .status_ack_o(status_ack), .write_stb_o(write_stb_o),
-    .events_o({err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o}),
+    .events_o(events),
     .alive_o(), .rx_active_o(rx_active), .listen_only_o(listen_only_o), .unit_o(), .idle_o(idle_o),
 `include "modbus_bank_core_inst.vh"
   );
@@ -121,7 +124,7 @@ module host_map_bench #(
     if (LINE_HEALTH != 0) begin : gen_health
       modbus_line_health u_health (
         .clk_i(clk_i), .rst_i(rst_i), .clear_i(health_clear), .rxd_i(rxd_i), .de_i(de_o), .rx_active_i(rx_active),
-        .events_i({err_gap_o, err_long_o, err_short_o, err_crc_o, err_overrun_o, err_framing_o, err_parity_o, frame_stb_o}),
+        .events_i(events),
         .settings_i(settings), .stb_i(health_stb), .adr_i(health_adr), .dat_o(health_dat), .ack_o(health_ack)
       );
     end else begin : gen_no_health

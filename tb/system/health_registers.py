@@ -62,11 +62,13 @@ class Master:
         assert answer[:3] == bytes([ADDRESS, 4, 2 * count]), frames.text(answer)
         return frames.unpack_words(answer[3:-2])
 
+    async def write(self, coil, on):
+        request = frames.adu(ADDRESS, frames.write_coil(coil, on))
+        assert await self.ask(request) == request
+
     async def clear(self):
-        request = frames.adu(ADDRESS, frames.write_coil(COIL, True))
-        assert await self.ask(request) == request
-        request = frames.adu(ADDRESS, frames.write_coil(COIL, False))
-        assert await self.ask(request) == request
+        await self.write(COIL, True)
+        await self.write(COIL, False)
 
 
 async def begin(dut):
@@ -138,22 +140,18 @@ async def coil_clears_when_it_turns_1(dut):
         words = await master.words()
         assert words[0] == 1 and words[4] == 1, f"{words}"
 
-    async def write(coil, on):
-        request = frames.adu(ADDRESS, frames.write_coil(coil, on))
-        assert await master.ask(request) == request
-
     for _ in range(2):
         await spoil()
-        await write(COIL, False)
-        await write(COIL - 1, True)
+        await master.write(COIL, False)
+        await master.write(COIL - 1, True)
         assert (await master.words())[:6] == [1, 0, 0, 0, 1, 0], "another coil or a 0 clears"
-        await write(COIL, True)
+        await master.write(COIL, True)
         assert (await master.words())[:6] == [0] * 6
         await spoil()
-        await write(COIL, True)
+        await master.write(COIL, True)
         assert (await master.words())[:6] == [1, 0, 0, 0, 1, 0], "a 1 behind a 1 clears"
-        await write(COIL, False)
-        await write(COIL - 1, False)
+        await master.write(COIL, False)
+        await master.write(COIL - 1, False)
         await master.clear()
         assert (await master.words())[:6] == [0] * 6
 
