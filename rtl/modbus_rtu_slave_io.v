@@ -86,7 +86,7 @@ module modbus_rtu_slave_io #(
   // ------------------------------------------------------------------ line health
 
   localparam integer FIRST_WORD = INPUT_BASE + INPUT_COUNT - 8;
-  localparam [INPUT_WIDTH-1:0] OWN_INPUTS = {INPUT_WIDTH{1'b1}} >> ((LINE_HEALTH != 0) ? 128 : 0);
+  localparam integer GIVEN_UP   = (LINE_HEALTH != 0) ? 128 : 0;  // bits of inputs_i that nobody reads any more
 
   wire [15:0] item, word;
   wire        item_ack, word_ack;
@@ -129,7 +129,7 @@ module modbus_rtu_slave_io #(
 `include "modbus_tables_inst.vh"
   ) u_bank (
     .clk_i(clk_i), .rst_i(rst_i), .write_lock_i(1'b0), .coils_o(coils_o), .discretes_i(discretes_i),
-    .inputs_i(inputs_i & OWN_INPUTS), .holdings_o(holdings_o),
+    .inputs_i(inputs_i << GIVEN_UP >> GIVEN_UP), .holdings_o(holdings_o),
     .grant_req_i(grant_req), .grant_space_i(grant_space), .grant_first_i(grant_first), .grant_last_i(grant_last),
     .grant_write_i(grant_write), .grant_file_i(grant_file), .grant_ack_o(grant_ack), .exception_o(exception),
     .wb_cyc_i(wb_cyc), .wb_stb_i(wb_stb & ~of_health), .wb_we_i(wb_we), .wb_adr_i(wb_adr), .wb_dat_i(wb_write),

@@ -32,7 +32,7 @@ SHOWN = 30  # lines of a failed stage in the report
 
 # stage: (make target and variables, what it does)
 STAGES = {
-    "lint": (["lint"], "every linter over every module and parameter set"),
+    "lint": (["lint", "FULL=1"], "every linter over every module, many random parameter sets"),
     "test": (["test", "FULL=1"], "the regression with the sizes below"),
     "formal": (["formal"], "every proof, of both tiers"),
     "planted": (["formal", "PLANTED=1"], "every proof again with a mistake: each must fail"),

@@ -138,8 +138,11 @@ module modbus_bank_io #(
       localparam integer COIL_WORD = COIL_BASE / 16, DISCRETE_WORD = DISCRETE_BASE / 16;
       wire [CW-1:0] coil     = item[4 +: CW] - COIL_WORD[CW-1:0];
       wire [DW-1:0] discrete = item[4 +: DW] - DISCRETE_WORD[DW-1:0];
+      // A replication beyond 8192 is doubted; a table has up to 65536 items.
+      // verilator lint_off WIDTHCONCAT
       wire [COIL_WIDTH + 16*(1<<CW) - 1:0]     coils     = {{16*(1<<CW){1'b0}}, coils_q}     << CLOW;
       wire [DISCRETE_WIDTH + 16*(1<<DW) - 1:0] discretes = {{16*(1<<DW){1'b0}}, discretes_i} << DLOW;
+      // verilator lint_on WIDTHCONCAT
       wire [15:0]   lanes;
       integer       c;
       modbus_bank_lanes u_lanes (.first_i(item), .last_i(grant_last_i), .lanes_o(lanes));
