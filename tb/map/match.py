@@ -60,14 +60,14 @@ class Match:
         oracle = self.oracle
         self.new_inputs(still=frame[1] not in (1, 2, 3, 4, 5, 15))
         before = dict(oracle.values)
-        oracle.strobes = []
+        oracle.strobes, oracle.taken = [], set()
         expected = oracle.request(frame)
         seen, vectors = self.batch.request(frame, PATIENCE)
         shown = f"{self.device.name}: {text(frame)}"
         self.judge(frame, expected, seen, shown)
         self.judge_outputs(before, vectors, shown)
         self.compare_outputs(self.batch.outputs(), shown)
-        self.settle_snapshots(before)
+        self.settle_snapshots()
 
     def judge(self, frame, expected, seen, shown):
         """The answer, where values of wires may be those of either moment."""
@@ -103,16 +103,11 @@ class Match:
             return [data[n // 8] >> n % 8 & 1 for n in range(quantity)]
         return [int.from_bytes(data[n : n + 2], "big") for n in range(0, len(data), 2)]
 
-    def settle_snapshots(self, before):
+    def settle_snapshots(self):
         """A snapshot is of one moment, but of which is known only to the device: read it back."""
-        taken = {p.freeze for p in self.device.points if p.freeze and self.was_frozen(p, before)}
-        for coil in taken:
-            self.read_back(coil)
-
-    def was_frozen(self, point, before):
-        return self.pair[0] is not self.pair[1] and any(
-            self.oracle.values[point.name, n] != before[point.name, n] for n in range(point.count)
-        )
+        if self.pair[0] is not self.pair[1]:
+            for coil in sorted(self.oracle.taken):
+                self.read_back(coil)
 
     def read_back(self, coil):
         import struct

@@ -37,6 +37,7 @@ class Oracle(Slave):
         self.device = device
         self.memory = MapMemory(self)
         self.values = {(p.name, n): raw for p in device.points for n, raw in enumerate(p.resets)}
+        self.taken = set()  # coils that have taken a snapshot; who looks at them empties it
         self.strobes, self.now = [], lambda point, item: self.values[point.name, item]
         self.records = {}
         self.wire = {}  # {(point name, item): raw}
@@ -101,6 +102,7 @@ class Oracle(Slave):
 
     def frozen_by(self, coil):
         """Take the snapshot; which of two values a live wire had is told by the harness."""
+        self.taken.add(coil)
         for point in self.device.points:
             if point.freeze == coil:
                 for item in range(point.count):
