@@ -147,8 +147,9 @@ def terminal(said: list[tuple[str, list[str]]]) -> str:
         if command.startswith("kill"):
             break
         lines.append((f"$ {command}", "#9ecbff"))
-        said_here = [re.sub(r"(?<= )/\S*/", "", line) for line in answers]  # where things lie on this machine
-        lines += [(line.expandtabs(), "#e4e8ef") for line in said_here if line.strip() and not line.startswith(LEFT_OUT)]
+        shown = [line.expandtabs() for line in answers if line.strip() and not line.startswith(LEFT_OUT)]
+        # without the places of one machine
+        lines += [(re.sub(r"(?<= )/\S*/", "", line), "#e4e8ef") for line in shown]
     width, pitch = 860, 17
     height = 44 + pitch * len(lines)
     out = HEAD.format(width=width, height=height, paper="#14181f")
