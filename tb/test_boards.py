@@ -130,7 +130,7 @@ def test_top_compiles_without_a_message(tool, board):
 
 @pytest.mark.parametrize("board", BOARDS)
 def test_behaviour_at_the_pins(record_property, board):
-    sim = "icarus" if FULL or board == "hx8k" else "verilator"
+    sim = "icarus" if FULL else "verilator"
     run(record_property, sim, f"{board}_top", "system.board", SLOW)
 
 

@@ -31,7 +31,7 @@ BUILDS = {
     "full_ram": (SLAVE, profile("full", "ram", **NO_FLOORS)),
     "full_io": (IO, profile("full", "io", **NO_FLOORS)),
 }
-CHOSEN = dict.fromkeys(BUILDS) if FULL else {"full_ram": "every_function|broadcast"}  # build: tests of smoke
+CHOSEN = dict.fromkeys(BUILDS) if FULL else {"full_ram": "broadcast"}  # build: tests of smoke
 
 
 @pytest.mark.parametrize("build", CHOSEN)
@@ -41,7 +41,7 @@ def test_netlist(record_property, build):
     run(record_property, "icarus", top, "system.smoke", parameters, only=CHOSEN[build], own=own, netlist=True)
 
 
-@pytest.mark.parametrize("build", BUILDS if FULL else ("basic_io", "full_ram"))
+@pytest.mark.parametrize("build", BUILDS if FULL else CHOSEN)
 def test_power_up(record_property, build):
     """With rst_i at 0 throughout; test_system.py does the same to the RTL."""
     top, parameters = BUILDS[build]

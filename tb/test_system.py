@@ -281,8 +281,8 @@ ON_ICARUS = (
 )
 # Builds that leave out a code as others do: played with FULL=1 only.
 LIKE_OTHERS = (
-    *(f"left_out_without_{code:02X}" for code in (0x07, 0x0B, 0x0C, 0x11, 0x15, 0x18)),
-    *("left_out_only_basic", "left_out_without_diagnostics_used"),
+    *(f"left_out_without_{code:02X}" for code in OPTIONAL),
+    *("left_out_only_08", "left_out_only_basic", "left_out_without_diagnostics", "left_out_without_diagnostics_used"),
 )
 # Volume that needs nothing but the line, the host port and settings, without a simulator between: the fastest.
 # suite: regular expression of the tests, or None for all
@@ -313,12 +313,13 @@ BESIDE_VERILATOR = {
     "vectors": "vector=[0-9]$",
     "diagnostics_modes": "answers_at_once",
 }
-ON_VERILATOR = [name for name in SUITES if name not in ON_ICARUS and name not in ON_COMPILED.keys() - PART_ON_VERILATOR]
+ELSEWHERE = {*ON_ICARUS, *ON_COMPILED.keys() - PART_ON_VERILATOR}
 RUNS = [
-    *(("verilator", name) for name in ON_VERILATOR),
+    *(("verilator", name) for name in SUITES if name not in ELSEWHERE),
     *(("compiled", name) for name in ON_COMPILED),
-    *(("icarus", name) for name in SUITES if FULL or name in {*ON_ICARUS, *BESIDE_VERILATOR}.difference(LIKE_OTHERS)),
+    *(("icarus", name) for name in SUITES if FULL or name in {*ON_ICARUS, *BESIDE_VERILATOR}),
 ]
+RUNS = [(sim, name) for sim, name in RUNS if FULL or name not in LIKE_OTHERS]
 
 
 def chosen(sim, suite):

@@ -17,7 +17,8 @@
 // that ended it is decoded at once, so a new rate is found in the frame that shows it.
 //
 // 8E1 or 8O1 and 8N2 are the same on the line as long as all parity bits are 1.  Then locked_o stays low: each frame is
-// decoded and played, the formats that fit take turns, and the first frame that fits one of them alone locks.
+// decoded and played, the formats that fit take turns, behind a reset first the one with parity, and the first frame
+// that fits one of them alone locks.
 //
 // Time is counted in ticks, 32 to the bit of TOP_BAUD.  The slowest rate has 192 times its bit.  Settings change only
 // while idle_i is high.  A frame of more runs than the memory has words is not decoded.
@@ -289,7 +290,8 @@ module modbus_auto_line #(
     // What is found; the core takes nothing in while this changes
     if (judge || exact) bit_time_q <= judge ? measured[15:0] : rest_q[16:1];
     if (rst_i) bit_time_q <= SHORT;      // the core does not wait for t3.5 of a rate that was
-    if (accept) format_q <= chosen;
+    // A reset leaves none with parity: where two fit, that comes first.
+    format_q <= (accept ? chosen : format_q) | {rst_i, 1'b0};
 
     // The state
     record_q <= (record_q & ~marks) | begins;

@@ -5,7 +5,7 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 3_000,
+    "random requests on the compiled slave": 2_000,
     "random requests on 32 compiled slaves": 150,
     "bits at every alignment": 400,
     "random requests in a simulator": 15,

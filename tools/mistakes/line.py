@@ -26,6 +26,7 @@ MISTAKES = [
         "locked_q  <= accept ? ~two_fit :",
         "locked_q  <= accept ? 1'b1 :",
     ),
+    Mistake("auto_turns_survive_a_reset", "modbus_auto_line.v", " | {rst_i, 1'b0};", ";"),
     Mistake(
         "auto_own_echo_recorded",
         "modbus_auto_line.v",
