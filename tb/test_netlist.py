@@ -41,7 +41,7 @@ def test_netlist(record_property, build):
     run(record_property, "icarus", top, "system.smoke", parameters, only=CHOSEN[build], own=own, netlist=True)
 
 
-@pytest.mark.parametrize("build", BUILDS if FULL else CHOSEN)
+@pytest.mark.parametrize("build", CHOSEN)
 def test_power_up(record_property, build):
     """With rst_i at 0 throughout; test_system.py does the same to the RTL."""
     top, parameters = BUILDS[build]

@@ -314,12 +314,12 @@ BESIDE_VERILATOR = {
     "diagnostics_modes": "answers_at_once",
 }
 ELSEWHERE = {*ON_ICARUS, *ON_COMPILED.keys() - PART_ON_VERILATOR}
+PLAYED = [name for name in SUITES if FULL or name not in LIKE_OTHERS]
 RUNS = [
-    *(("verilator", name) for name in SUITES if name not in ELSEWHERE),
+    *(("verilator", name) for name in PLAYED if name not in ELSEWHERE),
     *(("compiled", name) for name in ON_COMPILED),
-    *(("icarus", name) for name in SUITES if FULL or name in {*ON_ICARUS, *BESIDE_VERILATOR}),
+    *(("icarus", name) for name in PLAYED if FULL or name in {*ON_ICARUS, *BESIDE_VERILATOR}),
 ]
-RUNS = [(sim, name) for sim, name in RUNS if FULL or name not in LIKE_OTHERS]
 
 
 def chosen(sim, suite):
