@@ -63,10 +63,17 @@ class Bank:
         self.manner, self.request = Manner(), Request()
         self.memory, self.faults = {}, []
         self._granted, self._good_frames = [], 0
+        self._levels = {}  # of inputs of the core
         for port in ("grant_ack_i", "exception_i", "wb_ack_i", "wb_err_i", "wb_dat_i"):
-            getattr(self.dut, port).value = 0
+            self._put(port, 0)
+        self._question = [getattr(self.dut, f"grant_{name}_o") for name in ("space", "first", "last", "write")]
         cocotb.start_soon(self._count_frames())
         cocotb.start_soon(self._run())
+
+    def _put(self, port, value):
+        """Drive an input; a level that it has already costs nothing."""
+        if self._levels.get(port) != value:
+            getattr(self.dut, port).value = self._levels[port] = value
 
     async def _count_frames(self):
         while True:
@@ -129,9 +136,9 @@ class Bank:
         dut = self.dut
         if not int(dut.grant_req_o.value):
             self._asked = None
-            dut.grant_ack_i.value = 0
+            self._put("grant_ack_i", 0)
             return
-        question = tuple(int(getattr(dut, f"grant_{name}_o").value) for name in ("space", "first", "last", "write"))
+        question = tuple(int(port.value) for port in self._question)
         if question[0] == Space.FILES:
             question += (int(dut.grant_file_o.value),)
         if self._asked is None:
@@ -143,12 +150,12 @@ class Bank:
         if question != self._held:
             self._fault(f"question changed from {self._held} to {question}")
         ready = self._asked == 0 and not self.manner.silent_grant
-        dut.grant_ack_i.value = int(ready)
+        self._put("grant_ack_i", int(ready))
         if not ready:
             self._asked = max(self._asked - 1, 0)
             return
         code = self._verdict(*question)
-        dut.exception_i.value = int(code)
+        self._put("exception_i", int(code))
         self.request.questions.append(question)
         if not code:
             self._granted.append(question)
@@ -173,9 +180,10 @@ class Bank:
                 self._strobed = max(self._strobed - 1, 0)
         else:
             self._strobed = None
-        dut.wb_ack_i.value, dut.wb_err_i.value = ack, err
+        self._put("wb_ack_i", ack)
+        self._put("wb_err_i", err)
         if err:
-            dut.exception_i.value = code
+            self._put("exception_i", code)
 
     def _error(self, access):
         """The code with which this beat ends with err, None: it does not."""
@@ -234,7 +242,7 @@ class Bank:
             else:
                 read = value | read if space in BIT_SPACES else value
         if not write:
-            self.dut.wb_dat_i.value = read
+            self._put("wb_dat_i", read)
         if err:
             self.request.broken_at = self._beat
         self._beat += len(self._items(space, item, data))

@@ -28,6 +28,18 @@ async def wait_until(time):
         await Timer(left, "ps")
 
 
+async def drive(edges, put, end=None):
+    """Call `put(level)` for each of `edges`, times in ps from now that only grow; returns at `end`, if one is given."""
+    passed = 0
+    for time, level in edges:
+        if (time := round(time)) > passed:
+            await Timer(time - passed, "ps")
+            passed = time
+        put(level)
+    if end is not None and (time := round(end)) > passed:
+        await Timer(time - passed, "ps")
+
+
 @dataclass
 class Answer:
     """One transmission of the device: bytes and times in ps."""
@@ -69,10 +81,7 @@ class Line:
 
     async def play(self, edges):
         """Drive (time, level) edges, times in ps from now."""
-        begin = now()
-        for time, level in edges:
-            await wait_until(begin + time)
-            self._drive(level)
+        await drive(edges, self._drive)
 
     async def send(self, line, offset=0.0, jitter=0.0, spikes=(), phase=None):
         """Send characters; returns the time at which the last stop bit ends.

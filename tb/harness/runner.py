@@ -124,7 +124,7 @@ class Compiled(cocotb_tools.runner.Verilator):
             [Path(folder) for folder in includes],
             parameters or {},
             shared=False,
-            optimise="-O1",  # what compiles in half the time runs as long: most of a run is Python's
+            optimise="-Og",  # what compiles in half the time runs as long: most of a run is Python's
             prefix="Vtop",
             inside=INSIDE,
             vpi=(f"-Wl,-rpath,{libraries}", f"-L{libraries}", "-lcocotbvpi_verilator"),

@@ -26,7 +26,11 @@ async def start(dut, **inputs):
 
 
 async def clocks(dut, count=1):
-    """Wait for clock edges; returns just after the last."""
+    """Wait for clock edges; returns just after the last. `start`'s clock does not pause: many are one wait."""
+    if count > 2:
+        await RisingEdge(dut.clk_i)
+        await Timer((count - 2) * CLOCK_PS + CLOCK_PS // 2, "ps")
+        count = 1
     for _ in range(count):
         await RisingEdge(dut.clk_i)
 
@@ -48,12 +52,15 @@ async def strobe(dut, **inputs):
 def watch(dut, name, values=()):
     """A list that gets a tuple of `values` each clock in which strobe `name`_o is high."""
     seen = []
+    it, others = getattr(dut, f"{name}_o"), [getattr(dut, f"{v}_o") for v in values]
 
     async def task():
         while True:
+            if not int(it.value):
+                await RisingEdge(it)
             await RisingEdge(dut.clk_i)
-            if int(getattr(dut, f"{name}_o").value):
-                seen.append(tuple(int(getattr(dut, f"{v}_o").value) for v in values))
+            if int(it.value):
+                seen.append(tuple(int(other.value) for other in others))
 
     cocotb.start_soon(task())
     return seen

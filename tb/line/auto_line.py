@@ -2,8 +2,11 @@
 # Copyright (c) 2026 the project contributors
 """modbus_auto_line alone: what it finds, what the core hears, when it lets go.  A tick is a clock of 1 MHz."""
 
+from itertools import pairwise
+
 import cocotb
-from harness.unit import clocks, settle, start
+from harness.line import now
+from harness.unit import CLOCK_PS, clocks, settle, start
 from harness.wave import encode
 from protocol import frames
 from protocol.defs import FORMATS
@@ -14,24 +17,41 @@ OTHER = frames.adu(5, frames.read(3, 1, 2))
 
 
 class Line:
-    """Drives rxd_i and records rxd_o, one level a clock."""
+    """Drives rxd_i and records rxd_o."""
 
     def __init__(self, dut):
-        self.dut, self.out = dut, []
+        self.dut = dut
+        self.forget()
+        cocotb.start_soon(self._listen())
+
+    def forget(self):
+        """`out` begins now."""
+        self.edges = [(now(), int(self.dut.rxd_o.value))]
+
+    async def _listen(self):
+        while True:
+            await self.dut.rxd_o.value_change
+            self.edges.append((now(), int(self.dut.rxd_o.value)))
+
+    @property
+    def out(self):
+        """Levels of rxd_o, one a clock."""
+        levels = []
+        for (begin, level), (end, _) in pairwise([*self.edges, (now(), None)]):
+            levels += [level] * round((end - begin) / CLOCK_PS)
+        return levels
 
     async def clock(self, count=1):
-        for _ in range(count):
-            await clocks(self.dut)
-            self.out.append(int(self.dut.rxd_o.value))
+        await clocks(self.dut, count)
         await settle()
 
     async def send(self, frame, bit, fmt, silence=40):
         """A frame with whole clocks a bit, and so many bits of silence."""
-        wave, now = encode(frame, fmt, bit), 0
+        wave, passed = encode(frame, fmt, bit), 0
         for time, level in wave.edges:
-            await self.clock(time - now)
-            self.dut.rxd_i.value, now = level, time
-        await self.clock(wave.end - now + silence * bit)
+            await self.clock(time - passed)
+            self.dut.rxd_i.value, passed = level, time
+        await self.clock(wave.end - passed + silence * bit)
 
     async def work(self, count=6000):
         """Time to decode in every format."""
@@ -46,7 +66,7 @@ async def begin(dut, **inputs):
     await start(dut, rxd=1, idle=1, snap=1, address=ADDRESS, **inputs)
     line = Line(dut)
     await line.clock(50)
-    line.out.clear()
+    line.forget()
     return line
 
 
@@ -83,7 +103,7 @@ async def frame_for_another_is_not_played(dut):
     await line.work(20000)
     assert line.found() == (1, 52, 0)
     assert set(line.out) == {1}
-    line.out.clear()
+    line.forget()
     dut.idle_i.value = 0  # the core receives it
     await line.send(FRAME, 52, FORMATS[0], 1)
     assert runs(line.out)[1:-1] == runs([1, *line.out])[1:-1] and 0 in line.out, "locked, but the core hears nothing"
@@ -232,7 +252,7 @@ async def driving_ends_what_is_played(dut):
     dut.de_i.value = 1
     await line.clock(5)
     dut.de_i.value = 0
-    line.out.clear()
+    line.forget()
     await line.clock(20000)
     assert set(line.out) == {1}, "played on"
 

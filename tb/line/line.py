@@ -10,7 +10,7 @@ import random
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer, with_timeout
 from harness import wave
-from harness.line import now, wait_until
+from harness.line import drive, now, wait_until
 from harness.unit import CLOCK_PS, clocks, start, strobe
 from protocol import frames
 from protocol.defs import FORMAT_BY_NAME
@@ -123,11 +123,7 @@ class Room:
         await Timer(self.t35 + round(bits * self.bit), "ps")
 
     async def play(self, edges, end):
-        begin = now()
-        for time, level in edges:
-            await wait_until(begin + time)
-            self.dut.rxd_i.value = level
-        await wait_until(begin + end)
+        await drive(edges, self.dut.rxd_i.set, end)
 
     async def send(self, line, spikes=(), **how):
         """Characters, at any phase to the clock; returns the end of the last stop bit."""

@@ -4,6 +4,7 @@
 
 import cocotb
 from cocotb.triggers import Timer
+from harness.line import drive
 from harness.unit import CLOCK_PS, clocks, settle, start, strobe
 from harness.wave import encode, low
 from protocol import frames
@@ -45,14 +46,7 @@ class Health:
 
     async def play(self, wave):
         """The edges of a wave, at any phase to the clock."""
-        now = 0
-        for time, level in wave.edges:
-            if time > now:
-                await Timer(time - now, "ps")
-            now = time
-            self.dut.rxd_i.value = level
-        if wave.end > now:
-            await Timer(wave.end - now, "ps")
+        await drive(wave.edges, self.dut.rxd_i.set, wave.end)
 
     async def bits(self, count):
         if count:

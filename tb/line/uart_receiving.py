@@ -5,7 +5,7 @@
 import cocotb
 from cocotb.triggers import Timer
 from harness import wave
-from harness.line import now, wait_until
+from harness.line import drive
 from harness.unit import CLOCK_PS, clocks, start, watch
 from protocol.defs import FORMAT_BY_NAME
 
@@ -27,11 +27,7 @@ class Receiver:
 
     async def play(self, edges, end):
         """Drive edges (ps from now) and wait until `end`."""
-        begin = now()
-        for time, level in edges:
-            await wait_until(begin + time)
-            self.dut.rxd_i.value = level
-        await wait_until(begin + end)
+        await drive(edges, self.dut.rxd_i.set, end)
 
     async def send(self, line, **how):
         """Send characters from a random phase on."""

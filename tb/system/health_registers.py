@@ -6,6 +6,7 @@ import cocotb
 from cocotb.triggers import Timer, ValueChange
 from cocotb.utils import get_sim_time
 from harness.bench import PARAMETERS
+from harness.line import drive
 from harness.unit import CLOCK_PS, start
 from harness.wave import decode, encode, low
 from protocol import frames
@@ -38,14 +39,8 @@ class Master:
 
     async def play(self, wave):
         """A wave, and silence until an answer is over."""
-        now = 0
         self.edges = []
-        for time, level in wave.edges:
-            if time > now:
-                await Timer(time - now, "ps")
-            now = time
-            self.dut.rxd_i.value = level
-        await Timer(wave.end - now + 1, "ps")
+        await drive(wave.edges, self.dut.rxd_i.set, wave.end + 1)
         await self.bits(60)
         while int(self.dut.de_o.value):
             await self.bits(1)
