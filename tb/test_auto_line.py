@@ -174,8 +174,8 @@ def test_registers_tell_what_was_found(device):
 
 
 @pytest.mark.parametrize("rate", [1300, 14400, 28800, 31250, 62500, 76800])
-def test_other_rates_are_taken_as_measured(device, rate):
-    rng = random.Random(SEED)
+def test_other_rates_are_taken_as_measured(devices, rate):
+    rng, device = random.Random(SEED), devices[clock_for(rate)]
     for fmt in FORMATS:
         device.reset()
         master = Master(device, rate, fmt, rng)

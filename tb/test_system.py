@@ -279,10 +279,12 @@ ON_ICARUS = (
     *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
     "left_out_without_diagnostics_used",
 )
-# Builds that leave out a code as others do: played with FULL=1 only.
+# Builds that differ from others in a code, a size or one setting: played with FULL=1 only.
 LIKE_OTHERS = (
     *(f"left_out_without_{code:02X}" for code in OPTIONAL),
     *("left_out_only_08", "left_out_only_basic", "left_out_without_diagnostics", "left_out_without_diagnostics_used"),
+    *("files_long", "drop_in_1000000", "drop_in_8n2", "drop_in_io_set", "core_checked_bus"),
+    *("core_wide_checks", "pdm_meter_wide"),
 )
 # Volume that needs nothing but the line, the host port and settings, without a simulator between: the fastest.
 # suite: regular expression of the tests, or None for all

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import models
 from harness.runner import sources
+from harness.volume import OPTIMISE
 from protocol import frames
 from protocol.defs import FC, FORMATS
 
@@ -31,7 +32,7 @@ def library(**parameters):
     """Path of the shared library of the example with `parameters`; raises models.BuildError."""
     files, folders = sources()
     given = {"CLK_HZ": CLK_HZ, "ADDRESS": OWN, **parameters}
-    return models.compiled(models.Model("modbus_example_auto", HARNESS, files, folders, given))
+    return models.compiled(models.Model("modbus_example_auto", HARNESS, files, folders, given, optimise=OPTIMISE))
 
 
 @dataclass

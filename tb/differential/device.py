@@ -9,6 +9,7 @@ from pathlib import Path
 import models
 from harness import build
 from harness.runner import sources
+from harness.volume import OPTIMISE
 from protocol.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_address
 from protocol.model import characters
 
@@ -31,7 +32,7 @@ def library(parameters, harness=HERE / "harness.cpp"):
     Raises models.BuildError.
     """
     given = build.for_simulator("verilator", parameters)
-    return models.compiled(models.Model("slave_bench", harness, *sources(), given))
+    return models.compiled(models.Model("slave_bench", harness, *sources(), given, optimise=OPTIMISE))
 
 
 class Setup(ctypes.Structure):

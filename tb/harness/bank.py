@@ -163,7 +163,6 @@ class Bank:
 
     def _judge_beat(self, wanted):
         """Answer the beat of this clock, if there is one."""
-        dut = self.dut
         ack = err = 0
         if wanted:
             access = self._access()

@@ -5,29 +5,32 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 2_000,
+    "random requests on the compiled slave": 1_500,
     "random requests on 32 compiled slaves": 150,
     "bits at every alignment": 400,
     "random requests in a simulator": 15,
     "random requests to the power meter": 20,
     "random writes to overlaid tables": 6,
     "blocks rewritten beside a reading CPU": 5,
-    "requests beside a reading CPU": 3,
+    "requests beside a reading CPU": 2,
+    "blocks rewritten beside a host": 8,
+    "blocks beside a host's accesses": 2,
+    "frames beside a reading host": 7,
     "slaves on one line in a simulator": 3,
     "requests to them": 5,
     "blocks written to flat vectors": 2,
     "percent of the sets of parameters in Verilator": 10,
-    "random maps": 60,
+    "random maps": 40,
     "random starts of the automatic line": 36,
     "changes of the rate": 12,
     "frame times of noise": 1_000,
     "random maps in Icarus": 1,
-    "rounds with several units": 5,
+    "rounds with several units": 3,
     "seconds that 32 live devices are polled": 3,
-    "reopened clients": 300,
+    "reopened clients": 200,
     "live devices": 4,
     "seconds of live devices": 3,
-    "soak requests": 900,
+    "soak requests": 600,
     "answers that are timed": 50,
 }
 FULL = {
@@ -39,6 +42,9 @@ FULL = {
     "random writes to overlaid tables": 16,
     "blocks rewritten beside a reading CPU": 12,
     "requests beside a reading CPU": 8,
+    "blocks rewritten beside a host": 24,
+    "blocks beside a host's accesses": 6,
+    "frames beside a reading host": 18,
     "slaves on one line in a simulator": 8,
     "requests to them": 20,
     "blocks written to flat vectors": 6,
@@ -58,6 +64,10 @@ FULL = {
 }
 
 
+IS_FULL = os.environ.get("FULL") == "1"
+OPTIMISE = "-O3" if IS_FULL else "-O1"  # of compiled models: in `make test` they run shorter than -O3 compiles
+
+
 def volume(what):
     """The size of a test, by its name in the tables above."""
-    return (FULL if os.environ.get("FULL") == "1" else USUAL)[what]
+    return (FULL if IS_FULL else USUAL)[what]

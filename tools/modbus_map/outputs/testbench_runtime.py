@@ -356,11 +356,12 @@ class Bench:
 
     async def alternate(self, points, pair):
         """Change inputs in every clock between two sets of values."""
+        moments = [[(self.port(p, "i"), packed(p, values[p.name])) for p in points] for values in pair]
         while True:
-            for values in pair:
+            for moment in moments:
                 await FallingEdge(self.dut.clk_i)
-                for point in points:
-                    self.drive(point, values[point.name])
+                for port, value in moment:
+                    port.value = value
 
 
 # ---- tests; the first one must be the first: memory keeps its contents through a reset
