@@ -123,13 +123,21 @@ class Match:
             "stall_limit": rng.choice((0, 0, 100)),  # the user may take 560 clocks
             "ascii": int(self.ascii),
         }
-        if self.ascii:  # the frame that a fault has left open
-            self.device.idle(1.1 * build.ascii_timeout(self.parameters))
-            self.slave.fall_silent()
+        self.end_open_frame()
         self.momentary()
         _, self.t35 = build.silences(self.parameters, self.fmt, self.bit_time)
         config.timeout = build.ascii_timeout(self.parameters) / (self.fmt.length * self.bit_time)
         self.device.idle(2 * self.t35)
+
+    def end_open_frame(self, waited=None):
+        """ASCII mode: the time-out ends the frame that a fault has left open, for the model too.
+
+        With `waited`, clocks since the last character, only if the device's time-out has passed or comes near.
+        """
+        timeout = build.ascii_timeout(self.parameters)
+        if self.ascii and (waited is None or waited > 0.7 * timeout) and self.slave.ascii.receiving:
+            self.device.idle(1.1 * timeout)
+            self.slave.fall_silent()
 
     def momentary(self):
         """Inputs that change from request to request."""
@@ -177,6 +185,7 @@ class Match:
             self.slave.adopt(bool(seen.errors["long"]))
         if self.ascii or kind == "restart" or bytes(c.byte for c in characters(line))[1:2] == bytes([FC.DIAGNOSTICS]):
             self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent; ASCII hides which it was
+        self.end_open_frame(patience + 1.1 * self.t35 + 100)
         if self.rng.randrange(COUNTERS_EVERY) == 0:
             self.compare_counters(shown)
 
@@ -225,6 +234,7 @@ class Match:
 
     def compare(self, whole):
         """Memory of the device against the model's: what was written lately, or everything."""
+        self.end_open_frame()
         keys = self.slave.memory.addresses() if whole else sorted(self.touched)
         for space, item in keys:
             expected, seen = self.slave.memory[space, item], self.device.host(space, item)
