@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -48,6 +49,17 @@ def source_of(module: str) -> str:
         if Path(name).stem == module:
             return name
     raise SystemExit(f"no module {module} in {' or '.join(filelist.ALL)}")
+
+
+def files_below(top: str) -> list[str]:
+    """The files of a module and of all that it instantiates, relative to the root."""
+    places = {Path(name).stem: name for name in all_files()}
+    found, left = set(), [Path(source_of(top)).stem]
+    while left:
+        if (module := left.pop()) not in found:
+            found.add(module)
+            left += set(re.findall(r"\bmodbus_\w+", (ROOT / places[module]).read_text())) & places.keys()
+    return [name for name in all_files() if Path(name).stem in found]
 
 
 class ToolError(RuntimeError):

@@ -27,7 +27,7 @@ import synth_parts
 from synth_devices import DEVICES, FAMILIES, Device, Family
 from synth_profiles import LEFT_OPEN, OPEN
 
-from common import BENCHES, DROP_INS, ROOT, ToolError, bench_files, include_options, rtl_files, run, source_of
+from common import BENCHES, DROP_INS, ROOT, ToolError, bench_files, files_below, include_options, rtl_files, run
 
 OUT = Path("build/synth")  # relative: the YoWASP tools cannot see every absolute path
 SEEDS = (1, 2, 3)
@@ -69,18 +69,13 @@ def read_json(path: Path) -> dict:
 # --- the wrapper ----------------------------------------------------------------------------------
 
 
-def read_commands(design: Design) -> tuple[list[str], str]:
-    """Yosys commands that read the design, and the option that finds the rest of it.
-
-    The drop-ins are read by the file list.  A single module is read alone and Yosys looks for what it
-    instantiates, so it can be measured while other files are still being written.
-    """
+def read_command(design: Design) -> str:
+    """The Yosys command that reads the design: benches by the file list, a single module with what is below it."""
     if design.sources:
-        return [f"read_verilog {' '.join(design.sources)}"], ""
+        return f"read_verilog {' '.join(design.sources)}"
     if design.top in DROP_INS.values():
-        return [f"read_verilog {' '.join([*include_options(), f'-I{BENCHES}', *rtl_files(), *bench_files()])}"], ""
-    folders = " ".join(f"-libdir {folder}" for folder in sorted({str(Path(name).parent) for name in rtl_files()}))
-    return [f"read_verilog {' '.join(include_options())} {source_of(design.top)}"], folders
+        return f"read_verilog {' '.join([*include_options(), f'-I{BENCHES}', *rtl_files(), *bench_files()])}"
+    return f"read_verilog {' '.join([*include_options(), *files_below(design.top)])}"
 
 
 def chparam_value(value: str) -> str:
@@ -91,11 +86,11 @@ def chparam_value(value: str) -> str:
 def ports_of(design: Design, work: Path) -> dict[str, tuple[str, int]]:
     """{port: (direction, width)} of the design."""
     (ROOT / work).mkdir(parents=True, exist_ok=True)
-    reads, libdir = read_commands(design)
     chparam = " ".join(f"-chparam {k} {chparam_value(v)}" for k, v in design.parameters.items())
-    whole = f"hierarchy {libdir} -top {design.top} {chparam}"
+    whole = f"hierarchy -top {design.top} {chparam}"
     # The top alone: the ports of a thousand constants below it are of no interest.
-    yosys([*reads, whole, "select A:top", "proc", f"write_json -selected {work}/ports.json"], work / "ports.log")
+    save = f"write_json -selected {work}/ports.json"
+    yosys([read_command(design), whole, "select A:top", "proc", save], work / "ports.log")
     modules = read_json(work / "ports.json")["modules"]
     module = next(m for m in modules.values() if int(m["attributes"].get("top", "0"), 2))
     return {n: (p["direction"], len(p["bits"])) for n, p in module["ports"].items()}
@@ -180,12 +175,11 @@ def synthesise(design: Design, ports: dict, family: Family, work: Path) -> tuple
     (ROOT / work).mkdir(parents=True, exist_ok=True)
     text, shifted = wrapper(design, ports, family.shifted)
     (ROOT / work / "synth_top.v").write_text(text)
-    reads, libdir = read_commands(design)
     yosys(
         [
-            *reads,
+            read_command(design),
             f"read_verilog {work}/synth_top.v",
-            f"hierarchy {libdir} -check -top synth_top",
+            "hierarchy -check -top synth_top",
             f"{family.synthesis} -top synth_top",
             f"write_json {work}/net.json",
             f"tee -q -o {work}/stat.json stat -json",
