@@ -4,6 +4,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -14,6 +15,7 @@ from harness.volume import volume
 from modbus_map.checks import compile_source, load_device
 from modbus_map.loader import parse
 from modbus_map.outputs import testbench, verilog
+from modbus_map.outputs.verilog import core_files
 
 from map import random_maps
 from map.output_devices import EVERYTHING
@@ -44,6 +46,12 @@ fifos:
 files:
   - {number: 4, name: log, records: 20, access: ro}
   - {number: 9, name: notes, records: 7}
+"""
+LISTS = """
+device: lists
+line: {address: 17, baud: 115200}
+holding_registers:
+  - {at: 0, name: mode, type: i16, enum: {-3: "off", 5: slow, 9: fast}}
 """
 
 
@@ -144,3 +152,18 @@ def test_one_line_without_the_core(tmp_path):
         [sys.executable, tmp_path / "test_relay_box.py"], env=settings, capture_output=True, text=True, check=False
     )
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "MODBUS_RTU is not set" in done.stderr
+
+
+@pytest.mark.skipif(not shutil.which("iverilog"), reason="Icarus Verilog (iverilog) is not installed")
+def test_no_block_sleeps_for_ever_in_icarus(tmp_path, seed):
+    """An `always @*` of constants alone never runs there: its outputs stay unknown. A list of values and no range made one."""
+    lists, _ = compile_source(parse(LISTS, "lists.yaml"))
+    for device in (lists, *random_maps.devices(7000 * seed, volume("random maps") // 4, "asleep_")):
+        path = tmp_path / f"{device.name}.v"
+        path.write_text(verilog.generate(device)[path.name], encoding="utf-8")
+        files, folders = core_files()
+        command = ["iverilog", "-g2005", "-Wall", "-tnull", *(f"-I{ROOT / folder}" for folder in folders), str(path)]
+        done = subprocess.run(
+            [*command, *(str(ROOT / name) for name in files)], capture_output=True, text=True, check=True
+        )
+        assert not done.stderr, f"{device.name}: {done.stderr}"

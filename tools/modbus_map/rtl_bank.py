@@ -553,9 +553,11 @@ class Bank:
         else:
             lines.append("  wire [15:0] value = wb_dat_i;")
         swaps = sorted({p.width for p in plan.limited if p.width > 1 and p.word_order == "little"})
-        kinds = {kind_of(p) for p in plan.limited}
-        lines += ["  // Limits, in an order in which unsigned numbers compare.  Without limits: all values."]
-        lines += [f"  reg  {bits(count)} least, most;"]
+        kinds = {kind_of(p) for p in plan.limited if is_range(p)}
+        limits = self.by_point(lambda point: self.limits(point, count))  # none: an `always @*` that nothing wakes in Icarus
+        if kinds:
+            lines += ["  // Limits, in an order in which unsigned numbers compare.  Without limits: all values."]
+            lines += [f"  reg  {bits(count)} least, most;"]
         lines += ["  reg         is_signed;"] if SIGNED in kinds else []
         lines += ["  reg         is_float;"] if FLOAT in kinds else []
         for width in swaps:
@@ -567,10 +569,12 @@ class Bank:
             value = "high_first"
         else:
             value = "value"
-        lines += ["", "  always @* begin", f"    least = {count}'d0;", f"    most  = {{{count}{{1'b1}}}};"]
+        lines += ["", "  always @* begin"] if limits else []
+        lines += [f"    least = {count}'d0;", f"    most  = {{{count}{{1'b1}}}};"] if kinds else []
         flags = ["is_signed"] * (SIGNED in kinds) + ["is_float"] * (FLOAT in kinds)
         lines += [f"    {flag} = 1'b0;" for flag in [*flags, *(f"is_little_{width}" for width in swaps)]]
-        lines += [*self.by_point(lambda point: self.limits(point, count)), "  end", ""]
+        lines += [*limits, "  end"] if limits else []
+        lines += [""]
         if lists:  # a block of its own, since it reads what the one above sets
             lines += ["  always @* begin", "    listed = 1'b1;"]
             lines += [*self.by_point(lambda point: self.listed(point, count, value)), "  end", ""]
@@ -582,12 +586,13 @@ class Bank:
             top = " | ".join((["is_signed"] if SIGNED in kinds else []) + ([f"(is_float & ~{sign})"] if FLOAT in kinds else []))
             flips.append(f"{{{top}, {count - 1}'d0}}")
             order = f"{value} ^ " + " ^ ".join(flips)
-        lines.append(f"  wire {bits(count)} ordered = {order};")
+        if kinds:
+            lines.append(f"  wire {bits(count)} ordered = {order};")
         closes = " & closes" if plan.staged_words > 1 else ""
-        listed = " | ~listed" if lists else ""
+        refused = " | ".join(["ordered < least | ordered > most"] * bool(kinds) + ["~listed"] * bool(lists))
         lines += [
             "  reg         refuse_q;",
-            f"  always @(posedge clk_i) refuse_q <= checks & space[0]{closes} & (ordered < least | ordered > most{listed});",
+            f"  always @(posedge clk_i) refuse_q <= checks & space[0]{closes} & ({refused});",
         ]
         return lines
 
