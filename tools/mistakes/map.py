@@ -46,7 +46,7 @@ MISTAKES = [
         "return order(point, low), order(point, high) - 1",
     ),
     Mistake("compiler_signs_compare_as_unsigned", BANK, "        return raw ^ top\n", "        return raw\n"),
-    Mistake("compiler_listed_values_are_a_range", BANK, '" | ~listed" if lists', '"" if lists'),
+    Mistake("compiler_listed_values_are_a_range", BANK, '["~listed"] * bool', "[\"1'b0\"] * bool"),
     Mistake("compiler_snapshot_by_a_zero", BANK, '& wb_dat_i[0];"', "& (wb_dat_i[0] | 1'b1);\""),
     Mistake(
         "compiler_snapshot_has_no_reset",
