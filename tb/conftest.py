@@ -13,8 +13,9 @@ sys.path[:0] = [str(TB), str(TB.parent / "tools")]
 # cocotb starts the simulator with this path, so that it finds harness, protocol and the test modules.
 os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
 
+from harness.volume import IS_FULL as FULL  # noqa: E402
+
 SEED = int(os.environ.get("SEED", "1"), 0)
-FULL = os.environ.get("FULL") == "1"
 
 
 def pytest_report_header():

@@ -183,9 +183,10 @@ class Match:
         self.judge(seen, expected, shown)
         if self.slave.ambiguous:
             self.slave.adopt(bool(seen.errors["long"]))
+        rest = 1.1 * self.t35 + 100
         if self.ascii or kind == "restart" or bytes(c.byte for c in characters(line))[1:2] == bytes([FC.DIAGNOSTICS]):
-            self.device.idle(1.1 * self.t35 + 100)  # after a restart the line must be silent; ASCII hides which it was
-        self.end_open_frame(patience + 1.1 * self.t35 + 100)
+            self.device.idle(rest)  # after a restart the line must be silent; ASCII hides which it was
+        self.end_open_frame(patience + rest)
         if self.rng.randrange(COUNTERS_EVERY) == 0:
             self.compare_counters(shown)
 

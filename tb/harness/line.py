@@ -40,6 +40,13 @@ async def drive(edges, put, end=None):
         await Timer(time - passed, "ps")
 
 
+async def record(pin, log):
+    """Append (time in ps, level) to `log` whenever a pin changes."""
+    while True:
+        await pin.value_change
+        log.append((now(), int(pin.value)))
+
+
 @dataclass
 class Answer:
     """One transmission of the device: bytes and times in ps."""

@@ -5,7 +5,7 @@
 from itertools import pairwise
 
 import cocotb
-from harness.line import now
+from harness.line import now, record
 from harness.unit import CLOCK_PS, clocks, settle, start
 from harness.wave import encode
 from protocol import frames
@@ -20,18 +20,13 @@ class Line:
     """Drives rxd_i and records rxd_o."""
 
     def __init__(self, dut):
-        self.dut = dut
+        self.dut, self.edges = dut, []
         self.forget()
-        cocotb.start_soon(self._listen())
+        cocotb.start_soon(record(dut.rxd_o, self.edges))
 
     def forget(self):
         """`out` begins now."""
-        self.edges = [(now(), int(self.dut.rxd_o.value))]
-
-    async def _listen(self):
-        while True:
-            await self.dut.rxd_o.value_change
-            self.edges.append((now(), int(self.dut.rxd_o.value)))
+        self.edges[:] = [(now(), int(self.dut.rxd_o.value))]
 
     @property
     def out(self):

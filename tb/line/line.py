@@ -10,7 +10,7 @@ import random
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer, with_timeout
 from harness import wave
-from harness.line import drive, now, wait_until
+from harness.line import drive, now, record, wait_until
 from harness.unit import CLOCK_PS, clocks, start, strobe
 from protocol import frames
 from protocol.defs import FORMAT_BY_NAME
@@ -67,15 +67,10 @@ class Room:
         ):
             cocotb.start_soon(self._strobes(handle, strobes, act))
         for handle, log in ((dut.txd_o, self.edges), (dut.de_o, self.drive)):
-            cocotb.start_soon(self._record(handle, log))
+            cocotb.start_soon(record(handle, log))
         if silent:
             await self.silence()
         return self
-
-    async def _record(self, handle, log):
-        while True:
-            await handle.value_change
-            log.append((now(), int(handle.value)))
 
     async def _strobes(self, handle, strobes, act):
         """Call act(value) at the end of each clock in which one of the strobes is high."""

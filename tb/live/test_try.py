@@ -7,7 +7,6 @@ FULL=1 adds the examples that need another identity: the core is built once more
 
 import base64
 import json
-import os
 import random
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import demo
 import faults
 import pytest
 import try_page
+from conftest import FULL
 from differential.device import Device, library
 from harness import build
 from protocol import frames, vectors, words
@@ -25,7 +25,6 @@ from protocol.words_special import messages, register
 from .web import needs_chromium, page
 
 pytestmark = needs_chromium
-FULL = os.environ.get("FULL") == "1"
 TABLES = {
     "coils": "coils",
     "discrete_inputs": "discretes",

@@ -20,6 +20,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 import serial
+from conftest import FULL
 from live_client import Live, LiveError
 from protocol import frames
 
@@ -27,7 +28,6 @@ from .serve import ROOT, free_port
 from .timing import Watch
 from .web import Device
 
-FULL = os.environ.get("FULL") == "1"
 ADDRESS, BAUD = 17, 115200
 MAP = "examples/relay_box/relay_box.yaml"
 SCRIPT = """

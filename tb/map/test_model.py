@@ -12,6 +12,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from conftest import FULL
 from hypothesis import HealthCheck, given, seed, settings
 from modbus_map import checks, csv_door, dump, example, loader, outputs, reference, schema
 from modbus_map.model import Point
@@ -24,7 +25,6 @@ from map.test_diagnostics import CASES, modbus
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = {path.stem: path for path in sorted((ROOT / "examples").glob("*/*.yaml"))}
-FULL = os.environ.get("FULL") == "1"
 SEED = int(os.environ.get("SEED", "1"), 0)
 random_maps = settings(
     max_examples=1000 if FULL else 60, deadline=None, suppress_health_check=list(HealthCheck), database=None

@@ -158,12 +158,11 @@ def test_one_line_without_the_core(tmp_path):
 def test_no_block_sleeps_for_ever_in_icarus(tmp_path, seed):
     """An `always @*` of constants alone never runs there: its outputs stay unknown. A list of values and no range made one."""
     lists, _ = compile_source(parse(LISTS, "lists.yaml"))
+    files, folders = core_files()
+    command = ["iverilog", "-g2005", "-Wall", "-tnull", *(f"-I{ROOT / folder}" for folder in folders)]
+    command += [str(ROOT / name) for name in files]
     for device in (lists, *random_maps.devices(7000 * seed, volume("random maps") // 4, "asleep_")):
         path = tmp_path / f"{device.name}.v"
         path.write_text(verilog.generate(device)[path.name], encoding="utf-8")
-        files, folders = core_files()
-        command = ["iverilog", "-g2005", "-Wall", "-tnull", *(f"-I{ROOT / folder}" for folder in folders), str(path)]
-        done = subprocess.run(
-            [*command, *(str(ROOT / name) for name in files)], capture_output=True, text=True, check=True
-        )
+        done = subprocess.run([*command, str(path)], capture_output=True, text=True, check=True)
         assert not done.stderr, f"{device.name}: {done.stderr}"

@@ -3,10 +3,9 @@
 """LINE_HEALTH of modbus_rtu_slave_io at the pins: a fault on the line, then what a master reads by function code 04."""
 
 import cocotb
-from cocotb.triggers import Timer, ValueChange
-from cocotb.utils import get_sim_time
+from cocotb.triggers import Timer
 from harness.bench import PARAMETERS
-from harness.line import drive
+from harness.line import drive, record
 from harness.unit import CLOCK_PS, start
 from harness.wave import decode, encode, low
 from protocol import frames
@@ -27,19 +26,14 @@ class Master:
 
     def __init__(self, dut):
         self.dut, self.edges = dut, []
-        cocotb.start_soon(self._listen())
-
-    async def _listen(self):
-        while True:
-            await ValueChange(self.dut.txd_o)
-            self.edges.append((int(get_sim_time("ps")), int(self.dut.txd_o.value)))
+        cocotb.start_soon(record(dut.txd_o, self.edges))
 
     async def bits(self, count):
         await Timer(round(count * BIT_PS), "ps")
 
     async def play(self, wave):
         """A wave, and silence until an answer is over."""
-        self.edges = []
+        self.edges.clear()
         await drive(wave.edges, self.dut.rxd_i.set, wave.end + 1)
         await self.bits(60)
         while int(self.dut.de_o.value):

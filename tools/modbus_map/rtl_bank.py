@@ -569,12 +569,13 @@ class Bank:
             value = "high_first"
         else:
             value = "value"
-        lines += ["", "  always @* begin"] if limits else []
-        lines += [f"    least = {count}'d0;", f"    most  = {{{count}{{1'b1}}}};"] if kinds else []
-        flags = ["is_signed"] * (SIGNED in kinds) + ["is_float"] * (FLOAT in kinds)
-        lines += [f"    {flag} = 1'b0;" for flag in [*flags, *(f"is_little_{width}" for width in swaps)]]
-        lines += [*limits, "  end"] if limits else []
-        lines += [""]
+        if limits:
+            lines += ["", "  always @* begin"]
+            lines += [f"    least = {count}'d0;", f"    most  = {{{count}{{1'b1}}}};"] if kinds else []
+            flags = ["is_signed"] * (SIGNED in kinds) + ["is_float"] * (FLOAT in kinds)
+            lines += [f"    {flag} = 1'b0;" for flag in [*flags, *(f"is_little_{width}" for width in swaps)]]
+            lines += [*limits, "  end"]
+        lines.append("")
         if lists:  # a block of its own, since it reads what the one above sets
             lines += ["  always @* begin", "    listed = 1'b1;"]
             lines += [*self.by_point(lambda point: self.listed(point, count, value)), "  end", ""]
@@ -962,9 +963,7 @@ def port_lines(ports: list[tuple[str, str, str, str]]) -> list[str]:
 
 
 def kind_of(point: Point) -> int:
-    """How values of a point compare."""
-    if not is_range(point):
-        return UNSIGNED
+    """How values of a point whose limits are a range compare."""
     return FLOAT if point.is_float else SIGNED if point.is_signed else UNSIGNED
 
 
