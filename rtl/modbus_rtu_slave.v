@@ -109,7 +109,7 @@ module modbus_rtu_slave #(
 
   generate
     if (HOST_MAP != 0 && LINE_HEALTH != 0) begin : gen_health
-      modbus_line_health #(.MAX_BIT_TIME((SLOWEST < 127) ? 127 : SLOWEST)) u_health (
+      modbus_line_health #(.MAX_BIT_TIME(SLOWEST)) u_health (
         .clk_i(clk_i), .rst_i(rst_i), .clear_i(health_clear), .rxd_i(rxd_i), .de_i(de_o), .rx_active_i(rx_active),
         .events_i(events), .settings_i(settings), .stb_i(health_stb), .adr_i(health_adr), .dat_o(health_read),
         .ack_o(health_ack)

@@ -107,7 +107,7 @@ module modbus_rtu_slave_io #(
         assign clear = coil;
       end
 
-      modbus_line_health #(.MAX_BIT_TIME((BIT_TIME < 127) ? 127 : BIT_TIME)) u_health (
+      modbus_line_health #(.MAX_BIT_TIME(BIT_TIME)) u_health (
         .clk_i(clk_i), .rst_i(rst_i), .clear_i(clear), .rxd_i(rxd_i), .de_i(de_o), .rx_active_i(rx_active),
         .events_i(events), .settings_i(SETTINGS), .stb_i(wb_stb & of_health), .adr_i(place[2:0]), .dat_o(word),
         .ack_o(word_ack)

@@ -68,6 +68,7 @@ DROP_IN_SETS = [
 # module -> parameter sets; every other module is linted alone as it comes
 PARAMETER_SETS: dict[str, list[dict[str, str]]] = {
     "modbus_line": [{}, {"ASCII_MODE": "1"}, {"ASCII_MODE": "1", "T15_MIN_US": "0", "T35_MIN_US": "0"}],
+    "modbus_line_health": [{}, {"MAX_BIT_TIME": "8"}, {"MAX_BIT_TIME": "128"}],
     "modbus_rtu_core": CORE_SETS,
     "modbus_rtu_slave": [
         *DROP_IN_SETS,

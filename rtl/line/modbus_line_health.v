@@ -33,7 +33,7 @@
 `include "modbus_defs.vh"
 
 module modbus_line_health #(
-  parameter integer MAX_BIT_TIME = 65535         // no bit time is above it, 127..65535
+  parameter integer MAX_BIT_TIME = 65535         // no bit time is above it, 8..65535
 ) (
   input  wire        clk_i,
   input  wire        rst_i,                      // synchronous, active high
@@ -54,12 +54,12 @@ module modbus_line_health #(
 );
 
   generate
-    if (MAX_BIT_TIME < 127 || MAX_BIT_TIME > 65535) begin : gen_illegal
-      ERROR_modbus_line_health_MAX_BIT_TIME_from_127_to_65535 illegal_parameter ();
+    if (MAX_BIT_TIME < 8 || MAX_BIT_TIME > 65535) begin : gen_illegal
+      ERROR_modbus_line_health_MAX_BIT_TIME_from_8_to_65535 illegal_parameter ();
     end
   endgenerate
 
-  localparam integer BW = $clog2(MAX_BIT_TIME + 1);
+  localparam integer BW = (MAX_BIT_TIME < 128) ? 8 : $clog2(MAX_BIT_TIME + 1);  // a step takes 8 bits
   localparam integer NW = 14;                    // bits of a distance
   localparam [15:0] MINUS_CHARACTER = 16'd64536; // -1000
 
