@@ -49,7 +49,7 @@ FULL = {
     "requests to them": 20,
     "blocks written to flat vectors": 6,
     "percent of the sets of parameters in Verilator": 100,
-    "random maps": 5_000,
+    "random maps": 2_000,
     "random starts of the automatic line": 10_000,
     "changes of the rate": 1_000,
     "frame times of noise": 1_000_000,
