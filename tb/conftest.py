@@ -15,6 +15,9 @@ os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.g
 
 from harness.volume import IS_FULL as FULL  # noqa: E402
 
+if not FULL:  # models, live devices too, run shorter than -O3 takes to compile
+    os.environ.setdefault("MODELS_OPTIMISE", "-Og")
+
 SEED = int(os.environ.get("SEED", "1"), 0)
 
 

@@ -31,7 +31,7 @@ BUILDS = {
     "full_ram": (SLAVE, profile("full", "ram", **NO_FLOORS)),
     "full_io": (IO, profile("full", "io", **NO_FLOORS)),
 }
-CHOSEN = dict.fromkeys(BUILDS) if FULL else {"full_ram": "broadcast"}  # build: tests of smoke
+CHOSEN = dict.fromkeys(BUILDS) if FULL else {"basic_ram": "broadcast"}  # build: tests of smoke
 
 
 @pytest.mark.parametrize("build", CHOSEN)

@@ -274,8 +274,7 @@ SUITES = {
 ON_ICARUS = (
     *("power_up", "power_up_io", "power_up_short_05", "power_up_short_15", "smoke"),
     *("vectors_984", "vectors_identity", "vectors_segments", "drop_in_921600", "drop_in_8n2"),
-    *("identity_02", "identity_03", "identity_81", "identity_82", "identity_small", "identity_fits", "identity_below"),
-    *("fifo_whole", "left_out_no_files", "left_out_only_03", "left_out_only_03_used", "left_out_only_basic"),
+    *("fifo_whole", "left_out_no_files", "left_out_only_03_used", "left_out_only_basic"),
     *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
     "left_out_without_diagnostics_used",
 )
@@ -294,16 +293,22 @@ ON_COMPILED = {
     "functions_whole": None,
     "functions_limited": None,
     "functions_wide": None,
-    "identity_above": None,
+    **dict.fromkeys((*OBJECTS, *SEGMENTS)),
     "files": None,
     "fifo": None,
     "host_inputs": "changes_its_mind",
     "timing": None,
     "ascii_mode": "^(?!.*(ends_the_frame|late_answers|breaks|reset_sets))",
     "ram_checked": None,
+    "left_out_only_03": None,
+    "overlay": None,
+    "smoke_io": None,
+    "io_functions": None,
+    "io_read_only": None,
 }
 # What Verilator plays of a suite that it does not play whole; other tests are played above, or in other builds.
 PART_ON_VERILATOR = {
+    "identity_03": "once",
     "options_mapped": "host_port_reaches|core_waits",
     "host_inputs": "^(?!.*changes_its_mind)",
     "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed",
@@ -314,6 +319,7 @@ BESIDE_VERILATOR = {
     "core_bus": "reset_releases|in_order|second_range",
     "vectors": "vector=[0-9]$",
     "diagnostics_modes": "answers_at_once",
+    "identity_fits": None,
 }
 ELSEWHERE = {*ON_ICARUS, *ON_COMPILED.keys() - PART_ON_VERILATOR}
 PLAYED = [name for name in SUITES if FULL or name not in LIKE_OTHERS]

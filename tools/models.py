@@ -14,9 +14,11 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import functools
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -28,8 +30,10 @@ ROOT = Path(__file__).resolve().parents[1]
 HEADERS = ROOT / "sim"  # line.h, model.h and others for the C++ files
 CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
 PREFIX = "Vmodel"  # class and header of every model, whatever its top
-OPTIMISE = "-O3"  # of the compiler
+OPTIMISE = os.environ.get("MODELS_OPTIMISE") or "-O3"  # of the compiler; -Og for what runs for seconds
 VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
+MODULE = re.compile(r"^\s*module\s+(\w+)", re.MULTILINE)
+WORD = re.compile(r"\w+")
 VPI = ("--vpi", "--timescale", "1ns/1ps")  # what cocotb wants of a model
 COMPILE = ("g++", "-std=c++17", OPTIMISE, "-fPIC", "-faligned-new", "-w", "-pthread", *(f"-DVM_{name}=0" for name in
            ("COVERAGE", "SC", "TRACE", "TRACE_FST", "TRACE_VCD")))  # fmt: skip
@@ -65,16 +69,29 @@ class Model:
     def digest(self) -> str:
         """A name for the contents of everything that goes into the build."""
         settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
-        settings += [self.optimise] if self.optimise != OPTIMISE else []  # names of earlier builds stay
+        settings += [self.optimise]
         settings += [sorted(self.others)] if self.others else []
         settings += [*self.vpi, *self.inside, self.prefix, self.verilator] if self.vpi is not None else []
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
-        texts = [*self.files, *self.others.values(), *headers, *self.own_headers(), self.wrapper, Path(__file__)]
+        texts = [*self.reached(), *self.others.values(), *headers, *self.own_headers(), self.wrapper, Path(__file__)]
         for path in texts + ([self.apart] if self.apart else []):
             out.update(f"{Path(path).name}\n".encode())
             out.update(Path(path).read_bytes())
         return out.hexdigest()[:16]
+
+    def reached(self) -> list[Path]:
+        """The Verilog files that the top needs, by the names in them; all if none declares it."""
+        texts = {path: Path(path).read_text(encoding="utf-8") for path in self.files}
+        place = {name: path for path, text in texts.items() for name in MODULE.findall(text)}
+        if self.top not in place:
+            return list(self.files)  # Verilator says what is wrong
+        found, left = set(), {self.top}
+        while left:
+            if (path := place[left.pop()]) not in found:
+                found.add(path)
+                left |= set(WORD.findall(texts[path])) & place.keys()
+        return [path for path in self.files if path in found]
 
     def own_headers(self) -> list[Path]:
         """The headers that its C++ files may include."""
@@ -124,7 +141,7 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
 def _build(model: Model, folder: Path, target: Path) -> None:
     """Verilog to C++; that and the wrapper, as one text, which is half the work, to `target`."""
     program = model.verilator or verilator()
-    tops = {model.prefix: (model.top, model.files, folder)}
+    tops = {model.prefix: (model.top, model.reached(), folder)}
     tops |= {f"V{top}": (top, [file], folder / top) for top, file in model.others.items()}
     for prefix, (top, files, place) in tops.items():
         _run(
@@ -139,7 +156,7 @@ def _build(model: Model, folder: Path, target: Path) -> None:
             ],
             folder,
         )
-    runtime = Path(_run([program, "--getenv", "VERILATOR_ROOT"], folder).strip()) / "include"
+    runtime = _include(program)
     vpi = model.vpi is not None
     compile_with = [model.optimise if word == OPTIMISE else word for word in COMPILE]
     own = (f"-I{runtime}", f"-I{runtime / 'vltstd'}")
@@ -160,6 +177,15 @@ def _build(model: Model, folder: Path, target: Path) -> None:
         ],
         folder,
     )
+
+
+@functools.cache
+def _include(program: str) -> Path:
+    """Where a Verilator has its headers and the sources of its runtime."""
+    said = subprocess.run([program, "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=False)
+    if said.returncode:
+        raise BuildError(f"{program} --getenv VERILATOR_ROOT failed:\n{said.stderr}")
+    return Path(said.stdout.strip()) / "include"
 
 
 def _visible(model: Model, folder: Path) -> list[str]:

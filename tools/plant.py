@@ -242,6 +242,7 @@ def judged(name, *task):
         "TREE": str(folder / "tree"),
         "BENCH_BUILD": str(folder / "build"),
         "MODELS_RUNTIME": str(models.CACHE),
+        "MODELS_OPTIMISE": "-Og",
     }
     env = {**os.environ, **places_of, "COCOTB_LOG_LEVEL": "ERROR"}
     for variable in ("WAVES", "CASE", "FULL"):

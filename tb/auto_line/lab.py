@@ -8,7 +8,6 @@ from pathlib import Path
 
 import models
 from harness.runner import sources
-from harness.volume import OPTIMISE
 from protocol import frames
 from protocol.defs import FC, FORMATS
 
@@ -32,7 +31,7 @@ def library(**parameters):
     """Path of the shared library of the example with `parameters`; raises models.BuildError."""
     files, folders = sources()
     given = {"CLK_HZ": CLK_HZ, "ADDRESS": OWN, **parameters}
-    return models.compiled(models.Model("modbus_example_auto", HARNESS, files, folders, given, optimise=OPTIMISE))
+    return models.compiled(models.Model("modbus_example_auto", HARNESS, files, folders, given))
 
 
 @dataclass

@@ -9,7 +9,6 @@ from pathlib import Path
 import models
 from harness import build
 from harness.runner import sources
-from harness.volume import OPTIMISE
 from protocol.defs import COUNTER_ADDRESS, ERRORS, EX, LOG_ADDRESS, Space, bus_address
 from protocol.model import characters
 
@@ -32,7 +31,7 @@ def library(parameters, harness=HERE / "harness.cpp"):
     Raises models.BuildError.
     """
     given = build.for_simulator("verilator", parameters)
-    return models.compiled(models.Model("slave_bench", harness, *sources(), given, optimise=OPTIMISE))
+    return models.compiled(models.Model("slave_bench", harness, *sources(), given))
 
 
 class Setup(ctypes.Structure):

@@ -5,7 +5,7 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 1_500,
+    "random requests on the compiled slave": 700,
     "random requests on 32 compiled slaves": 150,
     "bits at every alignment": 400,
     "random requests in a simulator": 15,
@@ -16,11 +16,12 @@ USUAL = {
     "blocks rewritten beside a host": 8,
     "blocks beside a host's accesses": 2,
     "frames beside a reading host": 7,
-    "slaves on one line in a simulator": 3,
+    "slaves on one line in a simulator": 2,
     "requests to them": 5,
     "blocks written to flat vectors": 2,
     "percent of the sets of parameters in Verilator": 10,
-    "random maps": 40,
+    "random maps": 20,
+    "plays of a map with every kind of point": 20,
     "random starts of the automatic line": 36,
     "changes of the rate": 12,
     "frame times of noise": 1_000,
@@ -50,6 +51,7 @@ FULL = {
     "blocks written to flat vectors": 6,
     "percent of the sets of parameters in Verilator": 100,
     "random maps": 2_000,
+    "plays of a map with every kind of point": 200,
     "random starts of the automatic line": 10_000,
     "changes of the rate": 1_000,
     "frame times of noise": 1_000_000,
@@ -65,7 +67,6 @@ FULL = {
 
 
 IS_FULL = os.environ.get("FULL") == "1"
-OPTIMISE = "-O3" if IS_FULL else "-O1"  # of compiled models: in `make test` they run shorter than -O3 compiles
 
 
 def volume(what):

@@ -22,7 +22,7 @@ from map.match import Match
 COUNT = int(os.environ.get("MAPS", volume("random maps")))
 SHARE = 500  # maps of one test
 BATCH = 30  # maps in one compilation
-MANY = 60  # plays with a device that has every kind of point
+MANY = volume("plays of a map with every kind of point")  # plays with a device that has every kind of point
 PLAYS, REQUESTS = 12, 8  # a play begins with a reset and has up to so many requests
 
 

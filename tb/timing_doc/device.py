@@ -11,7 +11,6 @@ from pathlib import Path
 import models
 from harness import wave
 from harness.runner import sources
-from harness.volume import OPTIMISE
 from protocol.defs import F8E1
 
 HERE = Path(__file__).resolve().parent
@@ -37,9 +36,7 @@ def library(**parameters):
     """Path of the shared library of timing_top with `parameters`; raises models.BuildError."""
     files, folders = sources()
     files = [*files, HERE / "timing_top.v"]
-    return models.compiled(
-        models.Model("timing_top", HERE / "harness.cpp", files, folders, parameters, optimise=OPTIMISE)
-    )
+    return models.compiled(models.Model("timing_top", HERE / "harness.cpp", files, folders, parameters))
 
 
 class Setup(ctypes.Structure):
