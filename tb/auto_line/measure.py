@@ -2,11 +2,13 @@
 # Copyright (c) 2026 the project contributors
 """What docs/auto_line.md says of modbus_auto_line: requests until the first answer, a changed rate, noise."""
 
+import itertools
 import random
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
+from harness import wave
 from protocol import frames
 
 from .lab import FORMATS, OWN, RATES, Device, Master, clock_for, request, start
@@ -18,6 +20,22 @@ MOST = 4  # requests that are tried
 def fits_two(frame):
     """Is a frame the same on the line in 8N2 and in 8E1 or 8O1: do all bytes have the same parity?"""
     return len({bin(byte).count("1") & 1 for byte in frame}) == 1
+
+
+def hides(frame, fmt, skip_bits, silence_bits):
+    """May the end of a frame, heard from a bit on, hide the frame behind it?
+
+    The silence that ends a frame is 32 times its shortest run, at most.  The end of one character may have long runs
+    only; it looks like a slow frame that has not ended yet.  Behind a bit that was cut, which looks fast, the
+    frame comes in pieces, and the last of them may be its last run.
+    """
+    edges = wave.encode(frame, fmt, 1).edges
+    missed = [level for time, level in edges if time < skip_bits]
+    heard = [time for time, _ in edges if time >= skip_bits]
+    if missed and not missed[-1]:
+        heard = [skip_bits, *heard]  # it is low already
+    runs = [end - begin for begin, end in itertools.pairwise(heard)]
+    return bool(runs) and silence_bits < 32 * (runs[-1] if runs[0] < 1 else min(runs))
 
 
 def starts(each, seed=SEED, rates=RATES):
@@ -81,4 +99,4 @@ def foreign(address, rng):
     return frames.adu(address, request(rng)[1:-2])
 
 
-__all__ = ["OWN", "changed_rate", "fits_two", "foreign", "noise", "starts"]
+__all__ = ["OWN", "changed_rate", "fits_two", "foreign", "hides", "noise", "starts"]
