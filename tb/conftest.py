@@ -14,9 +14,10 @@ sys.path[:0] = [str(TB), str(TB.parent / "tools")]
 os.environ["PYTHONPATH"] = os.pathsep.join([str(TB), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 from harness.volume import IS_FULL as FULL  # noqa: E402
+from harness.volume import QUICK  # noqa: E402
 
-if not FULL:  # models, live devices too, run shorter than -O3 takes to compile
-    os.environ.setdefault("MODELS_OPTIMISE", "-Og")
+if not FULL:  # live devices too
+    os.environ.setdefault("MODELS_OPTIMISE", QUICK)
 
 SEED = int(os.environ.get("SEED", "1"), 0)
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import subprocess
 import sys
@@ -53,13 +52,8 @@ def source_of(module: str) -> str:
 
 def files_below(top: str) -> list[str]:
     """The files of a module and of all that it instantiates, relative to the root."""
-    places = {Path(name).stem: name for name in all_files()}
-    found, left = set(), [Path(source_of(top)).stem]
-    while left:
-        if (module := left.pop()) not in found:
-            found.add(module)
-            left += set(re.findall(r"\bmodbus_\w+", (ROOT / places[module]).read_text())) & places.keys()
-    return [name for name in all_files() if Path(name).stem in found]
+    files = [ROOT / name for name in all_files()]
+    return [str(path.relative_to(ROOT)) for path in filelist.reached(Path(source_of(top)).stem, files)]
 
 
 class ToolError(RuntimeError):

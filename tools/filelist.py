@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 FUSESOC = "modbus_rtu_slave.core"
@@ -20,6 +21,7 @@ QUARTUS = "constraints/quartus/modbus_rtu_slave.qip"
 CORE = "rtl/modbus.f"
 EXAMPLES = "examples/examples.f"
 ALL = (CORE, EXAMPLES)
+MODULE = re.compile(r"^\s*module\s+(\w+)", re.MULTILINE)
 
 
 def read(root: Path, *lists: str) -> tuple[list[str], list[str]]:
@@ -36,6 +38,20 @@ def read(root: Path, *lists: str) -> tuple[list[str], list[str]]:
             elif line:
                 files.append(line)
     return files, folders
+
+
+def reached(top: str, files: Sequence[Path]) -> list[Path]:
+    """Those of `files` that module `top` needs, by the names of modules in them; all if none declares it."""
+    texts = {path: path.read_text(encoding="utf-8") for path in files}
+    place = {name: path for path, text in texts.items() for name in MODULE.findall(text)}
+    if top not in place:
+        return list(files)
+    found, left = set(), {top}
+    while left:
+        if (path := place[left.pop()]) not in found:
+            found.add(path)
+            left |= set(re.findall(r"\w+", texts[path])) & place.keys()
+    return [path for path in files if path in found]
 
 
 def headers(root: Path) -> list[str]:

@@ -18,7 +18,6 @@ import functools
 import hashlib
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -26,14 +25,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import filelist
+
 ROOT = Path(__file__).resolve().parents[1]
 HEADERS = ROOT / "sim"  # line.h, model.h and others for the C++ files
 CACHE = Path(os.environ.get("BENCH_BUILD", ROOT / "build")) / "models"
 PREFIX = "Vmodel"  # class and header of every model, whatever its top
 OPTIMISE = os.environ.get("MODELS_OPTIMISE") or "-O3"  # of the compiler; -Og for what runs for seconds
 VERILATE = "verilator --cc -O3 --x-assign fast --x-initial fast --noassert -Wno-fatal --language 1364-2005"
-MODULE = re.compile(r"^\s*module\s+(\w+)", re.MULTILINE)
-WORD = re.compile(r"\w+")
 VPI = ("--vpi", "--timescale", "1ns/1ps")  # what cocotb wants of a model
 COMPILE = ("g++", "-std=c++17", OPTIMISE, "-fPIC", "-faligned-new", "-w", "-pthread", *(f"-DVM_{name}=0" for name in
            ("COVERAGE", "SC", "TRACE", "TRACE_FST", "TRACE_VCD")))  # fmt: skip
@@ -69,29 +68,21 @@ class Model:
     def digest(self) -> str:
         """A name for the contents of everything that goes into the build."""
         settings = [self.top, sorted((k, str(v)) for k, v in self.parameters.items()), dict(self.defines), self.shared]
-        settings += [self.optimise]
+        settings.append(self.optimise)
         settings += [sorted(self.others)] if self.others else []
         settings += [*self.vpi, *self.inside, self.prefix, self.verilator] if self.vpi is not None else []
         out = hashlib.sha256(json.dumps(settings).encode())
         headers = [path for folder in self.folders for path in sorted(Path(folder).glob("*.vh"))]
-        texts = [*self.reached(), *self.others.values(), *headers, *self.own_headers(), self.wrapper, Path(__file__)]
+        texts = [*self.reached, *self.others.values(), *headers, *self.own_headers(), self.wrapper, Path(__file__)]
         for path in texts + ([self.apart] if self.apart else []):
             out.update(f"{Path(path).name}\n".encode())
             out.update(Path(path).read_bytes())
         return out.hexdigest()[:16]
 
+    @functools.cached_property
     def reached(self) -> list[Path]:
-        """The Verilog files that the top needs, by the names in them; all if none declares it."""
-        texts = {path: Path(path).read_text(encoding="utf-8") for path in self.files}
-        place = {name: path for path, text in texts.items() for name in MODULE.findall(text)}
-        if self.top not in place:
-            return list(self.files)  # Verilator says what is wrong
-        found, left = set(), {self.top}
-        while left:
-            if (path := place[left.pop()]) not in found:
-                found.add(path)
-                left |= set(WORD.findall(texts[path])) & place.keys()
-        return [path for path in self.files if path in found]
+        """The Verilog files that the top needs."""
+        return filelist.reached(self.top, self.files)
 
     def own_headers(self) -> list[Path]:
         """The headers that its C++ files may include."""
@@ -141,7 +132,7 @@ def compiled(model: Model, announce: Callable[[], None] | None = None, cache: Pa
 def _build(model: Model, folder: Path, target: Path) -> None:
     """Verilog to C++; that and the wrapper, as one text, which is half the work, to `target`."""
     program = model.verilator or verilator()
-    tops = {model.prefix: (model.top, model.reached(), folder)}
+    tops = {model.prefix: (model.top, model.reached, folder)}
     tops |= {f"V{top}": (top, [file], folder / top) for top, file in model.others.items()}
     for prefix, (top, files, place) in tops.items():
         _run(

@@ -27,6 +27,7 @@ from cocotb_tools.runner import get_runner
 
 from . import netlist as gates
 from .build import for_simulator
+from .volume import QUICK
 
 ROOT = Path(__file__).resolve().parents[2]
 TB = ROOT / "tb"
@@ -124,7 +125,7 @@ class Compiled(cocotb_tools.runner.Verilator):
             [Path(folder) for folder in includes],
             parameters or {},
             shared=False,
-            optimise="-Og",  # what compiles in half the time runs as long: most of a run is Python's
+            optimise=QUICK,  # with FULL=1 too: most of a run is Python's
             prefix="Vtop",
             inside=INSIDE,
             vpi=(f"-Wl,-rpath,{libraries}", f"-L{libraries}", "-lcocotbvpi_verilator"),

@@ -67,6 +67,7 @@ FULL = {
 
 
 IS_FULL = os.environ.get("FULL") == "1"
+QUICK = "-Og"  # what compiles in half the time: most models of a test run shorter than -O3 takes to compile
 
 
 def volume(what):
