@@ -8,11 +8,11 @@ import shutil
 import pytest
 from auto_line.lab import CLK_HZ, FORMATS, NOISE_HZ, OWN, RATES, Device, Master, clock_for, request
 from auto_line.measure import SEED, changed_rate, fits_two, foreign, hides, noise
-from harness.volume import volume
+from harness.volume import IS_FULL, volume
 from protocol import frames
 
 pytestmark = pytest.mark.skipif(not shutil.which("verilator"), reason="verilator is not installed")
-FAST = (230400, 115200, 57600, 38400, 19200)
+FAST = (230400, 115200, 57600, 38400, *([19200] if IS_FULL else []))
 
 
 class Devices(dict):

@@ -87,7 +87,7 @@ MODULES = {
 
 
 # Those that take Icarus long; it plays them with FULL=1.
-ON_VERILATOR = "line line_filtered line_waits uart_receiving auto_line line_health example_units".split()
+ON_VERILATOR = "line line_filtered line_waits uart_receiving uart_sending auto_line line_health example_units".split()
 RUNS = [
     *(("verilator", name) for name in ON_VERILATOR),
     *(("icarus", name) for name in MODULES if FULL or name not in ON_VERILATOR),

@@ -11,6 +11,7 @@ import pytest
 from harness.build import function_mask
 from harness.runner import sources
 from harness.steps import NUMBERS, RANGES, taken
+from harness.volume import IS_FULL
 from protocol.defs import ALL_FUNCTIONS, DIAGNOSTIC_FUNCTIONS
 
 STEPS, MOST_STEPS = 512, 440
@@ -23,7 +24,7 @@ SETS = [
     *({"FUNCTION_CODES": function_mask([code])} for code in sorted(ALL_FUNCTIONS)),
     *({"FUNCTION_CODES": function_mask(ALL_FUNCTIONS - {code}), "USER_CODES": 2} for code in sorted(ALL_FUNCTIONS)),
 ]
-RANDOM_SETS = 20
+RANDOM_SETS = 20 if IS_FULL else 4
 ROOT_OF = {name: index for index, name in enumerate(("START", "FOREIGN", "BAD", "EXCEPTION", "CLEARING"))}
 
 

@@ -17,7 +17,7 @@ def test_figures_and_pictures_of_timing_doc():
     """One test, so that the three devices are compiled once."""
     if not shutil.which("verilator"):
         pytest.skip("verilator is not installed")
-    lab, stale = Lab(), []
+    lab, stale = Lab(every=FULL), []
     for name, text in waves.pictures(lab).items():
         source, picture = PICTURES / f"{name}.json", PICTURES / f"{name}.svg"
         if not source.exists() or source.read_text(encoding="utf-8") != text:

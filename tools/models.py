@@ -189,9 +189,11 @@ def _visible(model: Model, folder: Path) -> list[str]:
 
 
 def _runtime(compile_with: Sequence[str], own: Sequence[str], include: Path, folder: Path, vpi: bool) -> list[str]:
-    """Verilator's own objects, compiled once for all models."""
+    """Verilator's own part, compiled once for all models, as one text: most of it is headers."""
     texts = [include / name for name in RUNTIME if (include / name).exists() and (vpi or name not in VPI_ONLY)]
-    return [str(_once([*compile_with, *own, "-c"], text, f"{text.stem}.o", folder)) for text in texts]
+    whole = folder / "verilated_all.cc"
+    whole.write_text("".join(f'#include "{text}"\n' for text in texts), encoding="utf-8")
+    return [str(_once([*compile_with, *own, "-c"], whole, "verilated.o", folder, others=texts))]
 
 
 def _apart(model: Model, compile_with: Sequence[str], folder: Path) -> list[str]:

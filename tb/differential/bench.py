@@ -132,6 +132,12 @@ class Build:
         return bench
 
 
+def tests_of(module):
+    """The cocotb tests of a module, with every parameter."""
+    generators = [g for g in vars(importlib.import_module(module)).values() if hasattr(g, "generate_tests")]
+    return [test for generator in generators for test in generator.generate_tests()]
+
+
 def run(record_property, module, parameters, only=None):
     """Run the cocotb tests of `module` whose full name `only` finds; like harness.runner.run, but compiled."""
     before = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
@@ -142,8 +148,7 @@ def run(record_property, module, parameters, only=None):
             pytest.skip(str(error))
         raise
     chosen = re.compile(os.environ.get("CASE") or only or "")
-    generators = [g for g in vars(importlib.import_module(module)).values() if hasattr(g, "generate_tests")]
-    tests = [t for g in generators for t in g.generate_tests() if chosen.search(t.fullname)]
+    tests = [test for test in tests_of(module) if chosen.search(test.fullname)]
     found, why = [], []
     for test in tests:
         try:

@@ -60,7 +60,7 @@ async def what_an_exception_counts(dut):
         frames.diagnostics(Sub.CLEAR, 0xFF00),
     ):
         assert (await story.step(own(pdu), refused, "80 41"))[1] in (EX.FUNCTION, EX.ADDRESS, EX.VALUE)
-    assert not int(dut.listen_only_o.value)
+    assert not story.listen_only
     await story.look("at the end", line=True)
     await story.tb.finish()
 
@@ -125,7 +125,7 @@ async def what_a_broadcast_counts(dut):
         frames.write_register(0xFFFF, 1),
     ):
         assert await story.step(everyone(pdu), "frames ours refused silent", "C0 40") is None
-    assert not int(dut.listen_only_o.value), "listen-only mode is not for all at once"
+    assert not story.listen_only, "listen-only mode is not for all at once"
     story.tb.apply(broadcast_en=0)  # then they are nobody's
     await story.step(everyone(WRITE), "frames", "")
     story.tb.apply(broadcast_en=1, address=0)  # no unicast frame matches
@@ -281,12 +281,12 @@ async def reset_clears_everything(dut):
         tb.apply(diagnostic=0)
         await story.step(own(EMPTY), "frames ours refused", "80 41")
         await story.step(own(frames.diagnostics(Sub.LISTEN_ONLY)), GOOD + " silent", "80 40 04")
-        assert int(dut.listen_only_o.value)
+        assert story.listen_only
         await tb.reset()
         await tb.clocks(LAST_ACTION_CLOCKS)
         await story.look("after reset")
         assert not any(story.counters.values()) and not story.log
-        assert not int(dut.listen_only_o.value) and not await tb.diagnostic_register()
+        assert not story.listen_only and not await tb.diagnostic_register()
         await tb.silence()
         assert await story.step(own(READ), GOOD, "80 40") == b"\x03\x02\x12\x34", "data stays"
         await tb.reset()

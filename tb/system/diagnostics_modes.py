@@ -26,7 +26,7 @@ async def listening(dut, **setup):
     story = await Story.begin(dut, **setup)
     await story.tb.preset((Space.HOLDINGS, 0), 0x600D)
     assert await story.step(LISTEN, GOOD + " silent", "80 40 04") is None
-    assert int(dut.listen_only_o.value), "listen_only_o stays low"
+    assert story.listen_only, "listen_only_o stays low"
     return story
 
 
@@ -91,10 +91,10 @@ async def only_the_right_restart_ends_listen_only(dut, option):
     await story.step(frames.adu(OTHER, right), "frames", "")
     await story.step(frames.bad_crc(own(right)), "bad", "A2")
     await story.step(with_gap(own(right), 4, 2.0), "bad", "A2")
-    assert int(dut.listen_only_o.value), "ended by a restart that is none"
+    assert story.listen_only, "ended by a restart that is none"
     events = "00" if option else "A0 60 00"
     await story.step(own(right), "", events, cleared=True, emptied=bool(option))
-    assert not int(dut.listen_only_o.value)
+    assert not story.listen_only
     answer = await story.step(own(frames.bare(FC.GET_EVENT_LOG)), GOOD, "80 40")
     assert answer[8:10] == b"\x80\0", "the restart is the event before this one"
     await story.look("at the end", line=True)

@@ -47,6 +47,11 @@ class Story:
         assert not any(story.counters.values()) and not story.log, "reset leaves something"
         return story
 
+    @property
+    def listen_only(self):
+        """True in listen-only mode."""
+        return bool(int(self.tb.dut.listen_only_o.value))
+
     async def look(self, note="", line=False):
         """Device against model; what is held now is what the next step starts from."""
         await self.tb.compare_counters(note, line)

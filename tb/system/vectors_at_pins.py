@@ -36,7 +36,7 @@ CASES = {v["id"]: v for v in vectors.playable() if belongs(v)}
 
 async def prepare(tb, vector):
     """Bring device and model into the state that the example presumes; returns what the log holds beyond it."""
-    for key, value in vectors.contents(vector["preconditions"], BUILT.files[1]):
+    for key, value in vectors.contents(vector["preconditions"], tb.slave.config.files[1]):
         await tb.preset(key, value)
     state = vectors.state(vector["preconditions"])
     tb.apply(**{name: state[name] for name in vectors.INPUTS if name in state})
@@ -66,7 +66,7 @@ async def make_log(tb, events):
 async def afterwards(tb, vector, older):
     """What the device holds must be what is printed."""
     await tb.clocks(LAST_ACTION_CLOCKS)
-    for key, value in vectors.contents(vector["postconditions"], BUILT.files[1]):
+    for key, value in vectors.contents(vector["postconditions"], tb.slave.config.files[1]):
         held = await tb.read_back(key)
         assert held == value, f"{key}: printed {value:04X}, holds {held}"
     state = vectors.state(vector["postconditions"])
@@ -82,10 +82,8 @@ async def afterwards(tb, vector, older):
         assert seen == log + older, f"printed {named(log)} on {named(older)}, seen {named(seen)}"
 
 
-@cocotb.test()
-@cocotb.parametrize(vector=list(CASES))
-async def printed_example_plays(dut, vector):
-    case = CASES[vector]
+async def play(dut, case):
+    """An example and what is printed before it; each step's answer and everything afterwards is compared."""
     tb = await bench.Bench.start(dut, address=case["slave_address"], bit_time=16)
     older = None  # than what is printed
     for step in (*vectors.before(case), case):
@@ -96,3 +94,19 @@ async def printed_example_plays(dut, vector):
             assert seen == vectors.frame(step["expected_response"]), f"printed {step['expected_response']}"
         await afterwards(tb, step, older)
     await tb.finish()
+
+
+@cocotb.test()
+@cocotb.parametrize(vector=[name for name, case in CASES.items() if at_the_ports(case)])
+async def printed_example_plays(dut, vector):
+    await play(dut, CASES[vector])
+
+
+LOADED = [name for name, case in CASES.items() if not at_the_ports(case)]
+if LOADED:
+
+    @cocotb.test()
+    @cocotb.parametrize(vector=LOADED)
+    async def printed_example_with_loaded_counters_plays(dut, vector):
+        """Its counters cannot be reached by traffic in reasonable time: they are loaded inside the device."""
+        await play(dut, CASES[vector])
