@@ -117,10 +117,10 @@ class Compiled(cocotb_tools.runner.Verilator):
     same contents. Tests see the ports and wires of the top, and what INSIDE lists; there are no waves."""
 
     def build(self, sources, hdl_toplevel, build_dir, includes=(), parameters=None, **_):
-        share, libraries = cocotb_tools.config.share_dir, cocotb_tools.config.libs_dir
+        libraries = cocotb_tools.config.libs_dir
         model = models.Model(
             hdl_toplevel,
-            Path(share) / "lib" / "verilator" / "verilator.cpp",
+            TB / "harness" / "main.cpp",
             [Path(source) for source in sources],
             [Path(folder) for folder in includes],
             parameters or {},
@@ -128,7 +128,7 @@ class Compiled(cocotb_tools.runner.Verilator):
             optimise=QUICK,  # with FULL=1 too: most of a run is Python's
             prefix="Vtop",
             inside=INSIDE,
-            vpi=(f"-Wl,-rpath,{libraries}", f"-L{libraries}", "-lcocotbvpi_verilator"),
+            vpi=("-rdynamic", f"-Wl,-rpath,{libraries}", f"-L{libraries}", "-lcocotbvpi_verilator"),
             verilator=fresh_verilator(),
         )
         link = Path(build_dir) / hdl_toplevel  # where `test` looks for it
