@@ -9,17 +9,33 @@
 #include <cstdint>
 
 #include "Vmodel.h"
+#include "Vmodel___024root.h"
 #include "verilated.h"
 
 inline double sc_time_stamp() { return 0; }
 
 constexpr int32_t kRefused = -1, kSilent = -2;  // of the ports below
 
-// One clock cycle; the outputs are then those behind the edge.
+// The level that Verilator has seen of the clock, under its name in Verilator 5.006 or in 5.048; nullptr in others.
+template <class Root> auto seen_of(Root &root, int, int) -> decltype(&root.__Vtrigrprev__TOP__clk_i) {
+  return &root.__Vtrigrprev__TOP__clk_i;
+}
+template <class Root> auto seen_of(Root &root, int, long) -> decltype(&root.__Vtrigprevexpr___TOP__clk_i__0) {
+  return &root.__Vtrigprevexpr___TOP__clk_i__0;
+}
+template <class Root> CData *seen_of(Root &, long, long) { return nullptr; }
+
+// One clock cycle; the outputs are then those behind the edge.  Nothing happens at the falling edge: where Verilator
+// can be told that the clock was low, it need not be evaluated, which is nearly half the time.
 inline void cycle(Vmodel &top) {
+  CData *const seen = seen_of(*top.rootp, 0, 0);
+  if (seen) {
+    *seen = 0;
+  } else {
+    top.clk_i = 0;
+    top.eval();
+  }
   top.clk_i = 1;
-  top.eval();
-  top.clk_i = 0;
   top.eval();
 }
 

@@ -274,7 +274,7 @@ SUITES = {
 }
 # Played in Icarus alone: short, or about levels that are unknown.
 ON_ICARUS = (
-    *("power_up", "power_up_io", "power_up_short_05", "power_up_short_15", "smoke"),
+    *("power_up", "power_up_io", "power_up_short_05", "power_up_short_15"),
     *("vectors_984", "vectors_identity", "vectors_segments", "drop_in_921600", "drop_in_8n2"),
     *("fifo_whole", "left_out_no_files", "left_out_only_03_used", "left_out_only_basic"),
     *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
@@ -291,6 +291,7 @@ LIKE_OTHERS = (
 # Volume that needs nothing but the line, the host port and settings, without a simulator between: the fastest.
 # suite: regular expression of the tests, or None for all
 ON_COMPILED = {
+    "smoke": None,
     "functions_mapped": None,
     "functions_small": None,
     "functions_whole": None,
@@ -324,11 +325,11 @@ PART_ON_VERILATOR = {
 }
 # What Icarus, which takes ten times as long, plays beside Verilator, for unknown levels: suite: regular expression.
 BESIDE_VERILATOR = {
+    "smoke": "exceptions|broadcast|t35",
     "line_faults": "after_reset|behind_reset.*8E1|defined|during_the_answer",
     "core_bus": "reset_releases|in_order|second_range",
-    "vectors": "example_plays/vector=[0-9]$",
+    "vectors": "example_plays/vector=[0-3]$",
     "diagnostics_modes": "answers_at_once",
-    "identity_fits": None,
 }
 ELSEWHERE = {*ON_ICARUS, *WHOLE_ON_COMPILED - PART_ON_VERILATOR.keys()}
 PLAYED = [name for name in SUITES if FULL or name not in LIKE_OTHERS]

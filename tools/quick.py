@@ -20,6 +20,7 @@ from common import ROOT, all_files
 ALWAYS = [
     *(f"tb/test_{name}.py" for name in ("model", "model_functions", "model_diagnostics", "mistakes", "formal")),
     "tb/test_conformance.py",
+    "tb/test_system.py::test_system[compiled-smoke]",
     *(f"tb/test_system.py::test_system[icarus-{suite}]" for suite in ("smoke", "power_up", "power_up_io")),
 ]
 MOST_MODULES = 12  # linted; after that the tops alone, which hold all the others
