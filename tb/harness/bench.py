@@ -9,12 +9,13 @@ import random
 from collections import Counter
 
 import cocotb
+from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
 from protocol.defs import ASCII_FORMATS, ERRORS, F8E1, RESTARTED, Space
 from protocol.frames import text
 from protocol.model import Slave, characters, split
 
-from . import build, clock
+from . import build
 from .host import HostPort
 from .line import Line, now
 from .readout import Readout
@@ -101,7 +102,7 @@ class Bench(HostPort, Readout):
                 getattr(dut, port).value = 0
         dut.rst_i.value = 1
         bench.apply(**setup)
-        clock.start(dut.clk_i, CLOCK_PS)
+        Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
         for name in (*(f"err_{e}" for e in ERRORS), "frame_stb"):
             if hasattr(dut, f"{name}_o"):  # a SoC keeps them inside; then `query`, not `both`
                 cocotb.start_soon(bench._count(name))

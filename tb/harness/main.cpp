@@ -5,7 +5,7 @@
 // IEEE 1800-2012, clause 4.4, as in cocotb's own program, in a fraction of its time.
 //
 // Much of its time goes into looking for signals that have changed. Here that is done only where one can have changed.
-// The clock is toggled here (clock.py calls bench_clock), and not by a callback of VPI for each half of its period.
+// The clock is toggled here (own_clock.py calls bench_clock), and not by a callback of VPI for each half of its period.
 
 #include <algorithm>
 #include <cstdint>

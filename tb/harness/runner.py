@@ -139,6 +139,10 @@ class Compiled(cocotb_tools.runner.Verilator):
         os.replace(fresh, link)  # perhaps another starts it just now
         self._sources, self._verilog_sources, self._vhdl_sources = [], list(sources), []  # `test` asks for them
 
+    def test(self, test_module, **settings):
+        modules = [test_module] if isinstance(test_module, str) else test_module
+        return super().test(test_module=["harness.own_clock", *modules], **settings)
+
 
 def quicker():
     """cocotb's `get_runner` gives Compiled for Verilator from now on."""

@@ -5,9 +5,8 @@
 import random
 
 import cocotb
+from cocotb.clock import Clock
 from cocotb.triggers import ReadOnly, RisingEdge, Timer
-
-from . import clock
 
 CLOCK_PS = 20_000
 
@@ -17,7 +16,7 @@ async def start(dut, **inputs):
     for handle in dut:
         if handle._name.endswith("_i") and handle._name != "clk_i":
             handle.value = inputs.get(handle._name.removesuffix("_i"), 0)
-    clock.start(dut.clk_i, CLOCK_PS)
+    Clock(dut.clk_i, CLOCK_PS, "ps", impl="gpi").start()
     if hasattr(dut, "rst_i"):
         dut.rst_i.value = 1
         await clocks(dut, 3)
