@@ -276,7 +276,7 @@ SUITES = {
 ON_ICARUS = (
     *("power_up", "power_up_io", "power_up_short_05", "power_up_short_15"),
     *("vectors_984", "vectors_identity", "vectors_segments", "drop_in_921600", "drop_in_8n2"),
-    *("fifo_whole", "left_out_no_files", "left_out_only_03_used", "left_out_only_basic"),
+    *("fifo_whole", "left_out_no_files", "left_out_only_basic"),
     *(f"left_out_without_{code:02X}" for code in OPTIONAL if code != FC.DIAGNOSTICS),
     "left_out_without_diagnostics_used",
 )
@@ -284,7 +284,7 @@ ON_ICARUS = (
 LIKE_OTHERS = (
     *(f"left_out_without_{code:02X}" for code in OPTIONAL),
     *("left_out_only_08", "left_out_only_basic", "left_out_without_diagnostics", "left_out_without_diagnostics_used"),
-    *("identity_02", "identity_81", "identity_82"),
+    *("identity_02", "identity_81"),
     *("files_long", "drop_in_1000000", "drop_in_8n2", "drop_in_io_set", "core_checked_bus"),
     *("core_wide_checks", "pdm_meter_wide"),
 )

@@ -5,7 +5,7 @@
 import os
 
 USUAL = {
-    "random requests on the compiled slave": 700,
+    "random requests on the compiled slave": 500,
     "random requests on 32 compiled slaves": 150,
     "bits at every alignment": 250,
     "random requests in a simulator": 15,
@@ -17,22 +17,22 @@ USUAL = {
     "blocks beside a host's accesses": 2,
     "frames beside a reading host": 7,
     "slaves on one line in a simulator": 2,
-    "requests to them": 5,
+    "requests to them": 3,
     "blocks written to flat vectors": 2,
-    "percent of the sets of parameters in Verilator": 10,
+    "percent of the sets of parameters in Verilator": 5,
     "random maps": 12,
     "plays of a map with every kind of point": 12,
     "random starts of the automatic line": 36,
     "changes of the rate": 12,
     "frame times of noise": 1_000,
     "random maps in Icarus": 1,
-    "rounds with several units": 3,
-    "seconds that 32 live devices are polled": 3,
-    "reopened clients": 200,
+    "rounds with several units": 2,
+    "seconds that 32 live devices are polled": 2,
+    "reopened clients": 100,
     "live devices": 4,
     "seconds of live devices": 3,
-    "soak requests": 600,
-    "answers that are timed": 50,
+    "soak requests": 400,
+    "answers that are timed": 40,
 }
 FULL = {
     "random requests on the compiled slave": 100_000,
