@@ -31,7 +31,8 @@ def test_every_rule_has_a_source_and_a_test(document):
 
 
 def test_every_test_named_exists(document):
-    there = existing(test_system.SUITES, test_modules.MODULES)
+    """In a suite that this run plays: those that are left to FULL=1 do not count without it."""
+    there = existing({name: test_system.SUITES[name] for name in test_system.PLAYED}, test_modules.MODULES)
     missing = [f"line {row.line}: {test}" for row in document for test in row.tests if test not in there]
     assert not missing, "\n".join(missing)
 

@@ -284,7 +284,6 @@ ON_ICARUS = (
 LIKE_OTHERS = (
     *(f"left_out_without_{code:02X}" for code in OPTIONAL),
     *("left_out_only_08", "left_out_only_basic", "left_out_without_diagnostics", "left_out_without_diagnostics_used"),
-    *("identity_02", "identity_81"),
     *("files_long", "drop_in_1000000", "drop_in_8n2", "drop_in_io_set", "core_checked_bus"),
     *("core_wide_checks", "pdm_meter_wide"),
 )
@@ -314,8 +313,6 @@ ON_COMPILED = {
     "diagnostics_counters": "^(?!.*(wrap|overrun_flag))",
     "diagnostics_modes": "listen_only|normal_mode|sub_functions",
 }
-# Nothing of these is left for a simulator.
-WHOLE_ON_COMPILED = {name for name, tests in ON_COMPILED.items() if tests is None}
 # What Verilator plays of a suite beside or instead of what stands above, where that is not the rest.
 PART_ON_VERILATOR = {
     "identity_03": "once",
@@ -323,7 +320,7 @@ PART_ON_VERILATOR = {
     "options_mapped": "host_port_reaches|core_waits",
     "ascii_mode": "ends_the_frame|late_answers|breaks|reset_sets|printed",
 }
-# What Icarus, which takes ten times as long, plays beside Verilator, for unknown levels: suite: regular expression.
+# What Icarus, which takes thirty times as long, plays beside Verilator, for unknown levels: suite: regular expression.
 BESIDE_VERILATOR = {
     "smoke": "exceptions|broadcast|t35",
     "line_faults": "after_reset|behind_reset.*8E1|defined|during_the_answer",
@@ -331,6 +328,7 @@ BESIDE_VERILATOR = {
     "vectors": "example_plays/vector=[0-3]$",
     "diagnostics_modes": "answers_at_once",
 }
+WHOLE_ON_COMPILED = {name for name, tests in ON_COMPILED.items() if tests is None}
 ELSEWHERE = {*ON_ICARUS, *WHOLE_ON_COMPILED - PART_ON_VERILATOR.keys()}
 PLAYED = [name for name in SUITES if FULL or name not in LIKE_OTHERS]
 RUNS = [

@@ -162,7 +162,7 @@ def _build(model: Model, folder: Path, target: Path) -> None:
             *_header([*compile_with, *own], runtime, folder, make=model.shared or vpi),
             *(f"-D{name}={value}" for name, value in model.defines.items()),
             *(f"-I{place}" for place in places),
-            *(*own, str(unit), *_runtime(compile_with if vpi else COMPILE, own, runtime, folder, vpi)),
+            *(*own, str(unit), _runtime(compile_with if vpi else COMPILE, own, runtime, folder, vpi)),
             *(_apart(model, compile_with, folder) if model.apart else ()),
             *(*(model.vpi or ()), "-o", str(target)),
         ],
@@ -188,12 +188,12 @@ def _visible(model: Model, folder: Path) -> list[str]:
     return [*VPI, str(rule)]
 
 
-def _runtime(compile_with: Sequence[str], own: Sequence[str], include: Path, folder: Path, vpi: bool) -> list[str]:
+def _runtime(compile_with: Sequence[str], own: Sequence[str], include: Path, folder: Path, vpi: bool) -> str:
     """Verilator's own part, compiled once for all models, as one text: most of it is headers."""
     texts = [include / name for name in RUNTIME if (include / name).exists() and (vpi or name not in VPI_ONLY)]
     whole = folder / "verilated_all.cc"
     whole.write_text("".join(f'#include "{text}"\n' for text in texts), encoding="utf-8")
-    return [str(_once([*compile_with, *own, "-c"], whole, "verilated.o", folder, others=texts))]
+    return str(_once([*compile_with, *own, "-c"], whole, "verilated.o", folder, others=texts))
 
 
 def _apart(model: Model, compile_with: Sequence[str], folder: Path) -> list[str]:
