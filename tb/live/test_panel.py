@@ -71,9 +71,9 @@ def panel(chromium, device):
         yield made
 
 
-def ask(device, pdu, count):
-    """A request by a master at the terminal."""
-    with serial.Serial(str(device.link), BAUD, timeout=5) as port:
+def ask(device, pdu, count, patience=5):
+    """A request by a master at the terminal; what comes within so many seconds."""
+    with serial.Serial(str(device.link), BAUD, timeout=patience) as port:
         port.write(frames.adu(ADDRESS, pdu))
         return port.read(count)
 
@@ -108,7 +108,7 @@ def test_fault_at_a_button_and_why_it_was_silent(panel, device):
     panel.fill("#fault-values [name=amount]", "2.5")
     panel.click("#fault-form button[type=submit]")
     panel.wait_for_selector("#active-faults li:has-text('gap of 2.5 characters')")
-    assert ask(device, frames.read(3, 0, 1), 1) == b""
+    assert ask(device, frames.read(3, 0, 1), 1, patience=1) == b""
     row = panel.locator("#list li.silent.error").last
     row.wait_for()
     assert "gap above t1.5" in row.inner_text() and "gap of 2.5 characters before character 1" in row.inner_text()
