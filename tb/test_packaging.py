@@ -24,6 +24,8 @@ QUARTUS = "constraints/quartus/modbus_rtu_slave.qip"
 CORE = "modbus_rtu_slave.core"
 IPS = ("modbus_rtu_slave", "modbus_axil_slave")
 CONNECTED = {"clk_i", "rst_i", "rxd_i"}  # inputs without an idle value
+DROP_INS = {"modbus_rtu_slave", "modbus_rtu_slave_io"}  # what stands around the core and its bank
+MOST_PORTS = 40
 INCLUDES = ("rtl/include", "rtl/engine")
 BOARDS = ("icebreaker", "hx8k", "ulx3s", "tangnano9k", "arty_a7", "de10_lite")
 
@@ -137,6 +139,14 @@ def copy(tmp_path):
     for name in (CORE, "VERSION"):
         shutil.copy(ROOT / name, tmp_path / name)
     return tmp_path
+
+
+def test_no_module_has_more_than_forty_ports():
+    """A longer list says that a module is two, or that signals which belong together go one by one."""
+    inside = {Path(path).stem for path in present(ROOT, ".v")} - DROP_INS
+    ports = {module: len(header(module)[1]) for module in inside}
+    assert len(ports) > 20
+    assert {module: n for module, n in ports.items() if n > MOST_PORTS} == {}
 
 
 @pytest.mark.parametrize("name", LISTS)

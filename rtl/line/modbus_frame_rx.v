@@ -10,7 +10,7 @@
 // good frame for another slave only raises foreign_stb_o.
 //
 // good_stb_o starts the work on a frame for us.  Until the work is done characters on the line are not received, only
-// noted (err_overrun_o at the end: a master did not wait).  The work ends with quiet_i (no answer), sent_i or
+// noted (MB_EVENT_OVERRUN at the end: a master did not wait).  The work ends with quiet_i (no answer), sent_i or
 // dropped_i.  Behind an answer the next request may follow at once, or with strict_i after t3.5; behind a silent end
 // only noted characters make it wait for t3.5.
 // While sending_i is high this module stays in its work, so nothing is ever received while we drive the line: send_i
@@ -19,9 +19,10 @@
 // With ascii_i high modbus_ascii tells where a frame begins and ends.  A start within a frame then begins it anew, the
 // first character counts with its errors although it is over when the frame begins, and t15_i alone is a gap.
 //
-// The other error strobes rise with the verdict, all that apply; CRC only when nothing else explains it.
+// The other events rise with the verdict, all that apply; CRC only when nothing else explains it.
 
 `default_nettype none
+`include "modbus_defs.vh"
 
 module modbus_frame_rx (
   input  wire       clk_i,
@@ -70,14 +71,7 @@ module modbus_frame_rx (
 
   output wire       idle_o,          // level : no frame is received or worked on
   output wire       active_o,        // level : a frame is being received
-
-  output wire       err_parity_o,
-  output wire       err_framing_o,
-  output wire       err_overrun_o,
-  output wire       err_crc_o,
-  output wire       err_short_o,
-  output wire       err_long_o,
-  output wire       err_gap_o
+  output wire [`MB_EVENTS_WIDTH-1:0] events_o        // strobes MB_EVENT_*
 );
 
   localparam [1:0] ST_INITIAL = 2'd0, ST_IDLE = 2'd1, ST_RECEPTION = 2'd2, ST_WORK = 2'd3;
@@ -158,20 +152,24 @@ module modbus_frame_rx (
   assign drop_o        = drop_late_i & heard_q;
   assign idle_o        = ~state_q[1];
   assign active_o      = reception;
-  assign err_parity_o  = verdict & parity_q;
-  assign err_framing_o = verdict & framing_q;
-  assign err_overrun_o = done & heard;
-  assign err_crc_o     = verdict & ~broken & ~crc_zero_i;
-  assign err_short_o   = verdict & is_short;
-  assign err_long_o    = verdict & long_q;
-  assign err_gap_o     = verdict & gap_q;
+
+  assign events_o[`MB_EVENT_FRAME]   = decide_q;
+  assign events_o[`MB_EVENT_PARITY]  = verdict & parity_q;
+  assign events_o[`MB_EVENT_FRAMING] = verdict & framing_q;
+  assign events_o[`MB_EVENT_OVERRUN] = done & heard;
+  assign events_o[`MB_EVENT_CRC]     = verdict & ~broken & ~crc_zero_i;
+  assign events_o[`MB_EVENT_SHORT]   = verdict & is_short;
+  assign events_o[`MB_EVENT_LONG]    = verdict & long_q;
+  assign events_o[`MB_EVENT_GAP]     = verdict & gap_q;
 
 `ifdef FORMAL
   reg       f_past = 1'b0;
   reg       f_clean = 1'b0;          // no character of this frame was faulty
   reg [8:0] f_stored = 9'd0;         // characters stored
   reg [2:0] f_age = 3'd7;            // clocks since the last start bit, 7 and more
-  wire      f_error = err_parity_o | err_framing_o | err_crc_o | err_short_o | err_long_o | err_gap_o;
+  wire      f_gap   = events_o[`MB_EVENT_GAP];
+  wire      f_error = f_gap | events_o[`MB_EVENT_PARITY] | events_o[`MB_EVENT_FRAMING] | events_o[`MB_EVENT_CRC] |
+                      events_o[`MB_EVENT_SHORT] | events_o[`MB_EVENT_LONG];
 
   reg       f_bias = 1'b0;           // ASCII mode: the frame RAM counts one byte more than there is
   wire      f_limit = ascii_i;       // and so a frame has one byte less
@@ -217,13 +215,14 @@ module modbus_frame_rx (
       assert (f_clean && t35_i && crc_zero_i && f_stored >= 9'd4 - {8'd0, f_limit} && f_stored <= 9'd256 - {8'd0, f_limit});
       assert (gap_count_only_i || !gap_q);
       assert (!long_q);
-      assert (!(f_error && !err_gap_o));
+      assert (!(f_error && !f_gap));
     end
     if (verdict) assert (good || f_error);             // every frame is accounted for
     if (look_q) assert ($past(good));
     if (check_q) assert ($past(look_q));
     if (good_stb_o || foreign_stb_o) assert ($past(check_q));
-    if (decide_q) assert (good_stb_o != foreign_stb_o);
+    if (events_o[`MB_EVENT_FRAME]) assert (good_stb_o != foreign_stb_o);
+    else                           assert (!good_stb_o && !foreign_stb_o);
     if (foreign_stb_o) assert ($past(!also_i));
     if (good_stb_o) assert ($past((byte_i == 8'd0) ? broadcast_en_i : (also_i || byte_i == address_i) && byte_i <= 8'd247));
     if (store_stb_o) assert (f_stored < 9'd256 && (reception || $past(restart_i)) && !char_stb_i);
@@ -233,9 +232,9 @@ module modbus_frame_rx (
     if ($past(good_stb_o) && !$past(rst_i | restart_i)) assert (state_q == ST_WORK);
     if (state_q == ST_WORK) assert (!store_stb_o && !open_stb_o && !good);
     cover (good_stb_o && f_stored == 9'd5);
-    cover (err_gap_o && !good_stb_o);
+    cover (f_gap && !good_stb_o);
     cover (ascii_i && good_stb_o && f_stored == 9'd3);
-    cover (err_overrun_o);
+    cover (events_o[`MB_EVENT_OVERRUN]);
   end
 `endif
 

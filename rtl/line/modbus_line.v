@@ -200,7 +200,7 @@ module modbus_line #(
     .also_o(also)
   );
 
-  wire frames_idle, good_stb, foreign_stb, err_long, drop, sent_stb, dropped_stb;
+  wire frames_idle, good_stb, foreign_stb, drop, sent_stb, dropped_stb;
 
   modbus_frame_rx u_frame_rx (
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(settings_i[`MB_SET_GAP_COUNT_ONLY]),
@@ -215,11 +215,7 @@ module modbus_line #(
     .foreign_stb_o(foreign_stb), .bad_stb_o(frame_o[`MB_FRAME_BAD]),
     .send_i(verdict_i[`MB_VERDICT_SEND]), .send_stb_o(send_stb), .drop_o(drop), .sending_i(sending_o),
     .sent_i(sent_stb), .dropped_i(dropped_stb), .quiet_i(verdict_i[`MB_VERDICT_QUIET]),
-    .restart_i(verdict_i[`MB_VERDICT_RESTART]), .idle_o(frames_idle), .active_o(rx_active_o),
-    .err_parity_o(events_o[`MB_EVENT_PARITY]), .err_framing_o(events_o[`MB_EVENT_FRAMING]),
-    .err_overrun_o(events_o[`MB_EVENT_OVERRUN]), .err_crc_o(events_o[`MB_EVENT_CRC]),
-    .err_short_o(events_o[`MB_EVENT_SHORT]), .err_long_o(err_long),
-    .err_gap_o(events_o[`MB_EVENT_GAP])
+    .restart_i(verdict_i[`MB_VERDICT_RESTART]), .idle_o(frames_idle), .active_o(rx_active_o), .events_o(events_o)
   );
 
   modbus_frame_tx u_frame_tx (
@@ -233,9 +229,7 @@ module modbus_line #(
 
   assign frame_o[`MB_FRAME_GOOD]    = good_stb;
   assign frame_o[`MB_FRAME_FOREIGN] = foreign_stb;
-  assign frame_o[`MB_FRAME_LONG]    = err_long;
-  assign events_o[`MB_EVENT_FRAME]  = good_stb | foreign_stb;
-  assign events_o[`MB_EVENT_LONG]   = err_long;
+  assign frame_o[`MB_FRAME_LONG]    = events_o[`MB_EVENT_LONG];
   assign idle_o                     = frames_idle & uart_idle & ~sending_o;
 
 `ifdef FORMAL

@@ -3,12 +3,13 @@
 """Frame receiver: the state machine of V1.02 figure 14 and its verdicts, without a line."""
 
 import cocotb
+from cocotb.triggers import RisingEdge
+from harness.steps import NUMBERS
 from harness.unit import clocks, settle, start, strobe, watch
 from protocol.defs import ERRORS
 
 T15, T35 = 5, 12  # clocks of silence in this bench
 VERDICT = 6  # clocks, at least: cursor to the first byte, look at it, decide whose it is
-STROBES = (*(f"err_{e}" for e in ERRORS), "good_stb")
 
 
 class Receiver:
@@ -21,11 +22,20 @@ class Receiver:
         usual = {"crc_zero": 1, "t15": 1, "address": 17, "byte": 17, "half": 1, "whole": 1}
         self.rng = await start(dut, **usual | inputs)
         self.count, self.stored = 0, 0
-        self.seen = {name: watch(dut, name) for name in STROBES}
+        self.seen = {error: [] for error in ERRORS} | {"good_stb": watch(dut, "good_stb")}
         cocotb.start_soon(self._ram())
+        cocotb.start_soon(self._events())
         if silence:
             await self.gap(T35)
         return self
+
+    async def _events(self):
+        while True:
+            await RisingEdge(self.dut.clk_i)
+            events = int(self.dut.events_o.value)
+            for error in ERRORS:
+                if events >> NUMBERS[f"EVENT_{error.upper()}"] & 1:
+                    self.seen[error].append(())
 
     async def _ram(self):
         while True:
@@ -65,7 +75,7 @@ class Receiver:
         await self.gap(T35)
         await settle()
         assert all(len(seen) <= 1 for seen in self.seen.values()), "a strobe rose twice"
-        return {name.removeprefix("err_") for name, seen in self.seen.items() if seen}
+        return {name for name, seen in self.seen.items() if seen}
 
     async def done(self, answered=0):
         """The frame was dealt with: nothing to send, or an answer that goes out."""
@@ -228,11 +238,11 @@ async def late_answer_may_be_dropped(dut, drop):
     assert int(dut.drop_o.value) == drop
     assert await rx.send()
     if drop:
-        rx.seen["err_overrun"].clear()
+        rx.seen["overrun"].clear()
         await strobe(dut, dropped=1)
         dut.sending_i.value = 0
         await clocks(dut, 2)
-        assert len(rx.seen["err_overrun"]) == 1
+        assert len(rx.seen["overrun"]) == 1
         assert int(dut.drop_o.value) == 0, "outlives its frame"
         assert await rx.frame(8) == set(), "heard before t3.5"
         assert await rx.frame(8) == GOOD
