@@ -200,7 +200,7 @@ module modbus_line #(
     .also_o(also)
   );
 
-  wire frames_idle, good_stb, foreign_stb, drop, sent_stb, dropped_stb;
+  wire frames_idle, drop, sent_stb, dropped_stb;
 
   modbus_frame_rx u_frame_rx (
     .clk_i(clk_i), .rst_i(rst_i), .gap_count_only_i(settings_i[`MB_SET_GAP_COUNT_ONLY]),
@@ -211,8 +211,8 @@ module modbus_line #(
     .t35_i(frame_t35),
     .count_i(count_i), .byte_i(frame_byte_i), .open_stb_o(ram_do_o[`MB_RAM_OPEN]),
     .look_stb_o(ram_do_o[`MB_RAM_LOOK]), .store_stb_o(ram_do_o[`MB_RAM_STORE]),
-    .good_stb_o(good_stb), .broadcast_o(frame_o[`MB_FRAME_BROADCAST]),
-    .foreign_stb_o(foreign_stb), .bad_stb_o(frame_o[`MB_FRAME_BAD]),
+    .good_stb_o(frame_o[`MB_FRAME_GOOD]), .broadcast_o(frame_o[`MB_FRAME_BROADCAST]),
+    .foreign_stb_o(frame_o[`MB_FRAME_FOREIGN]), .bad_stb_o(frame_o[`MB_FRAME_BAD]),
     .send_i(verdict_i[`MB_VERDICT_SEND]), .send_stb_o(send_stb), .drop_o(drop), .sending_i(sending_o),
     .sent_i(sent_stb), .dropped_i(dropped_stb), .quiet_i(verdict_i[`MB_VERDICT_QUIET]),
     .restart_i(verdict_i[`MB_VERDICT_RESTART]), .idle_o(frames_idle), .active_o(rx_active_o), .events_o(events_o)
@@ -227,10 +227,8 @@ module modbus_line #(
     .valid_o(tx_valid), .check_o(tx_check), .last_o(tx_last), .ready_i(tx_ready)
   );
 
-  assign frame_o[`MB_FRAME_GOOD]    = good_stb;
-  assign frame_o[`MB_FRAME_FOREIGN] = foreign_stb;
-  assign frame_o[`MB_FRAME_LONG]    = events_o[`MB_EVENT_LONG];
-  assign idle_o                     = frames_idle & uart_idle & ~sending_o;
+  assign frame_o[`MB_FRAME_LONG] = events_o[`MB_EVENT_LONG];
+  assign idle_o                  = frames_idle & uart_idle & ~sending_o;
 
 `ifdef FORMAL
   // Whatever the engine, the frame RAM and the bit clocks do: nothing is received while we drive the line.

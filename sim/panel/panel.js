@@ -333,7 +333,7 @@ const Panel = (() => {
 
   const Wave = (() => {
     const canvas = $("canvas"), LEFT = 42, LANES = ["rxd", "txd", "de"];
-    let data = null, from = 0, to = 1, whole = [0, 1], hover = null, wanted = null;
+    let data = null, from = 0, to = 1, whole = [0, 1], hover = null;
 
     const ms = (cycles) => cycles * 1000 / data.clock_hz;
     const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -341,9 +341,8 @@ const Panel = (() => {
     const x = (cycle) => LEFT + (cycle - from) / (to - from) * width();
 
     const show = async (n) => {
-      wanted = n;
       const got = await ask("pins", { n });
-      if (!got || wanted !== n) return;
+      if (!got || chosen?.frame.n !== n) return;
       data = got;
       if (!data.edges.length) data.edges = [[data.start, 6]];
       const ends = data.characters.map((c) => c.start + data.length * data.bit_time);

@@ -49,17 +49,17 @@ async def strobe(dut, **inputs):
         getattr(dut, f"{name}_i").value = 0
 
 
-def watch(dut, name, values=()):
-    """A list that gets a tuple of `values` each clock in which strobe `name`_o is high."""
+def watch(dut, name, values=(), bit=0):
+    """A list that gets a tuple of `values` each clock in which strobe `name`_o, or this bit of it, is high."""
     seen = []
     it, others = getattr(dut, f"{name}_o"), [getattr(dut, f"{v}_o") for v in values]
 
     async def task():
         while True:
-            if not int(it.value):
-                await RisingEdge(it)
+            if not int(it.value) >> bit & 1:
+                await it.value_change
             await RisingEdge(dut.clk_i)
-            if int(it.value):
+            if int(it.value) >> bit & 1:
                 seen.append(tuple(int(other.value) for other in others))
 
     cocotb.start_soon(task())

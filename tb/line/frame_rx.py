@@ -3,7 +3,6 @@
 """Frame receiver: the state machine of V1.02 figure 14 and its verdicts, without a line."""
 
 import cocotb
-from cocotb.triggers import RisingEdge
 from harness.steps import NUMBERS
 from harness.unit import clocks, settle, start, strobe, watch
 from protocol.defs import ERRORS
@@ -22,20 +21,12 @@ class Receiver:
         usual = {"crc_zero": 1, "t15": 1, "address": 17, "byte": 17, "half": 1, "whole": 1}
         self.rng = await start(dut, **usual | inputs)
         self.count, self.stored = 0, 0
-        self.seen = {error: [] for error in ERRORS} | {"good_stb": watch(dut, "good_stb")}
+        self.seen = {error: watch(dut, "events", bit=NUMBERS[f"EVENT_{error.upper()}"]) for error in ERRORS}
+        self.seen["good_stb"] = watch(dut, "good_stb")
         cocotb.start_soon(self._ram())
-        cocotb.start_soon(self._events())
         if silence:
             await self.gap(T35)
         return self
-
-    async def _events(self):
-        while True:
-            await RisingEdge(self.dut.clk_i)
-            events = int(self.dut.events_o.value)
-            for error in ERRORS:
-                if events >> NUMBERS[f"EVENT_{error.upper()}"] & 1:
-                    self.seen[error].append(())
 
     async def _ram(self):
         while True:
