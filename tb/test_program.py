@@ -47,7 +47,7 @@ def assembled(folder, parameters, files=None):
 module show;
   wire [{NUMBERS["ENTRIES_WIDTH"] - 1}:0] entries;
   modbus_program #({", ".join(f".{name}({value})" for name, value in values.items())}) u_program (
-    .clk_i(1'b0), .at_i(9'd0), .step_o(), .entries_o(entries));
+    .clk_i(1'b0), .at_i(9'd0), .fetch_i(1'b1), .step_o(), .entries_o(entries));
   integer i;
   initial begin
     #1 $display("%0d %h", u_program.PROGRAM_STEPS, entries);

@@ -5,8 +5,15 @@
 //
 // A burst moves the whole range under one wb_cyc_o: bits packed eight to a byte, least significant first, the last byte
 // filled with zeros; registers high byte first.  A register takes two clocks, a bit one and each byte of bits one more,
-// beside the bank's wait states.  The byte on its way, held_o, is also that of the steps between bursts: the high byte
-// of a field, or a byte to put.
+// beside the bank's wait states.
+//
+// No path leads from one block RAM to another, but to the bank's: block RAMs are slow.  Two bytes stand between, and serve
+// the steps between bursts too.  late_o is the byte under the cursor a clock ago, at which the steps look.  held_o is the
+// byte count of a request, or a byte to put.
+//
+//   read:   high byte -> late_q -> frame         low byte or bit -> low_q -> held_q -> frame
+//   write:  high byte of the frame -> late_q -> bank, low byte -> bank; bits: late_q -> held_q, shifted out to the bank
+//   steps:  literal or status byte -> low_q -> held_q;  byte under the cursor -> late_q -> held_q
 //
 // The bus is Wishbone B4, classic cycles, 16 bits of data.  A bit uses data bit 0; the other data bits of a bit write
 // mean nothing.  With BITS_PER_BEAT = 16 a beat moves all bits of the range in one word of 16 addresses: item n is data
@@ -55,13 +62,14 @@ module modbus_burst #(
 
   // Frame RAM
   input  wire [7:0]  byte_i,         // under the cursor
+  output wire [7:0]  late_o,         // the byte that was under the cursor a clock ago, unless a burst reads
   output wire        put_o,          // strobe: data_o goes under the cursor; cursor and count up
   output wire [7:0]  data_o,         // level : also for the PUT step
   output wire        step_o,         // strobe: cursor up, count down
 
   // Memories inside the core
   output wire        inner_o,        // level : a burst reads one of them
-  input  wire [15:0] inner_i,        // bytes in the low half
+  input  wire [15:0] inner_i,        // bytes in the low half; 0 while inner_o is low
 
   // Stall watch
   output wire        waiting_o,      // level : the bank owes an answer
@@ -86,15 +94,25 @@ module modbus_burst #(
     end
   endgenerate
 
-  localparam [2:0] ST_REST = 3'd0, ST_TAKE = 3'd1, ST_BEAT = 3'd2, ST_FILL = 3'd3, ST_PUT = 3'd4, ST_LEAD = 3'd5;
-
-  reg [2:0]  state_q = ST_REST, state_d;
+  // Where the burst is, one of these while moving_q is set; a register each, so no strobe has to be decoded
+  reg        lead_q = 1'b0;          // the low byte of the first word of sixteen bits leaves the frame
+  reg        take_q = 1'b0;          // the next byte to write (of a register the high one) leaves the frame
+  reg        item_q = 1'b0;          // an item is on the bus
+  reg        fill_q = 1'b0;          // zeros above the last bit; sixteen bits a beat: what is left of the last byte
+  reg        put_q  = 1'b0;          // eight bits are complete, or the high byte of a register goes to the frame
+  reg        tail_q = 1'b0;          // a write has ended; sixteen bits a beat: a last byte follows
+  reg        moving_q = 1'b0;
   reg [7:0]  held_q = 8'd0;          // a literal may come before the first byte: no X in a simulation
   reg [2:0]  bit_q;
   reg        ended_q;                // the last item is through
+  reg [7:0]  late_q = 8'd0;          // the byte under the cursor a clock ago; the high byte of a register that is read
+  reg [7:0]  low_q = 8'd0;           // its low byte; or bit 0: the bit that was read last, or a zero above the last
+  reg        last_q = 1'b0;          // the held byte goes to the frame: a low byte, or eight bits
   reg        keep_q = 1'b0;
+  reg        given_q = 1'b0;         // low_q was given by the step and is to be held
   reg        inner_ack_q;            // the inner memory shows the item
-  reg        inner_q, dry_q;         // where the burst goes, known when it begins
+  reg        inner_q, dry_q;         // where the burst goes,
+  reg        bus_q;                  // to neither: to the bank
 
   wire asks   = do_i[`MB_DO_GRANT];
   wire writes = argument_i[`MB_ARG_WRITE];
@@ -103,45 +121,34 @@ module modbus_burst #(
   wire inner = (HAS_INTERNAL != 0) & inner_q;
   wire bytes = inner & space_i[1];
   wire dry   = (HAS_FILES != 0) & dry_q;
+  wire bus   = (HAS_INTERNAL == 0 && HAS_FILES == 0) | bus_q;
   wire wide  = (BITS_PER_BEAT != 1) & ~words;        // sixteen bits a beat
   wire pairs = words | wide;                         // a beat is two bytes of the frame
 
   // ------------------------------------------------------------------ the burst
 
-  wire beat  = (state_q == ST_BEAT);
-  wire fill  = (state_q == ST_FILL);
-  wire put   = (state_q == ST_PUT);
-  wire take  = (state_q == ST_TAKE) & ~ended_q;
-  wire item  = beat & ~ended_q;
-  wire stb   = item & ~inner & ~dry;
-  wire ack   = (stb & wb_ack_i & ~wb_err_i) | (item & (inner_ack_q | dry));
-  wire full  = (bit_q == 3'd7);
-  wire shift = ~pairs & (ack | fill);
-  wire put_high   = ack & ~writes & words & ~bytes;
-  wire lost       = stb & (wb_err_i | (stall_i & ~wb_ack_i));
-  wire burst_done = ended_q & (wide & ~writes ? fill : put | (writes & (beat | state_q == ST_TAKE)));
+  wire begins = do_i[`MB_DO_BURST] & ~moving_q;
+  wire lead  = (BITS_PER_BEAT != 1) & lead_q;
+  wire stb   = item_q & bus;
+  wire ack   = (stb & wb_ack_i & ~wb_err_i) | (item_q & (inner_ack_q | dry));
+  wire whole = pairs | (bit_q == 3'd7);              // with this item the byte, or more, is complete
+  wire shift = ~pairs & (ack | fill_q);
+  wire lost  = stb & (wb_err_i | (stall_i & ~wb_ack_i));
+  wire put_high   = put_q & words & ~bytes;
+  wire burst_done = (tail_q & writes) | (wide ? fill_q : put_q & ended_q);
+  wire skips_low  = wide & ~first_i[3];              // the range begins in the low byte of a word
 
-  always @* begin
-    state_d = state_q;
-    case (state_q)
-      // No burst.
-      ST_REST: if (do_i[`MB_DO_BURST]) state_d = ~writes ? ST_BEAT : (wide & ~first_i[3]) ? ST_LEAD : ST_TAKE;
-      // The low byte of the first word of sixteen bits leaves the frame, unless the range begins above it.
-      ST_LEAD: state_d = ST_TAKE;
-      // The next byte to write (of a register the high one) leaves the frame.
-      ST_TAKE: state_d = ST_BEAT;
-      // One item on the bus; behind the last bit of a read the byte is filled up.
-      ST_BEAT: begin
-        if (ended_q)                     state_d = ST_FILL;
-        else if (ack && (pairs || full)) state_d = writes ? ST_TAKE : ST_PUT;
-      end
-      // Zeros above the last bit.  Sixteen bits a beat: what is left of the last byte.
-      ST_FILL: if (full) state_d = ST_PUT;
-      // A byte of bits, or the low byte of a register, goes to the frame.
-      ST_PUT: state_d = ST_BEAT;
-      default: state_d = ST_REST;
-    endcase
-    if (lost || burst_done) state_d = ST_REST;
+  //  read:  item, put, item, put ...          bits: item ..., (fill ...), put, item ...
+  //  write: take, item, take, item ..., tail  bits: take, item ..., take ..., tail
+  always @(posedge clk_i) begin
+    moving_q <= (begins | moving_q) & ~lost & ~burst_done;
+    lead_q   <= begins & writes & skips_low;
+    take_q   <= (begins & writes & ~skips_low) | lead | (ack & writes & whole & ~at_last_i);
+    item_q   <= (begins & ~writes) | take_q | (put_q & ~ended_q) | (item_q & ~lost & ~(ack & (whole | at_last_i)));
+    fill_q   <= (HAS_BITS != 0) & ((ack & ~writes & ~whole & at_last_i) | (wide ? tail_q & ~writes : fill_q & ~whole));
+    put_q    <= ~writes & whole & (ack | (fill_q & ~wide));
+    tail_q   <= (ack & writes & at_last_i) | (wide & put_q & ended_q);
+    if (rst_i) {moving_q, lead_q, take_q, item_q, fill_q, put_q, tail_q} <= 7'd0;
   end
 
   // ------------------------------------------------------------------ sixteen bits a beat
@@ -168,30 +175,30 @@ module modbus_burst #(
       reg [2:0]  turn_q;
       reg [1:0]  skip_q;             // so many bytes of the bank lie before the first of the frame
       reg        second_q;           // the second byte of the bank's word is on its way
-      reg        put_q, whole_q;     // whole_q: the last byte is in the frame
+      reg        gone_q, all_q;      // a byte went to the frame; all_q: that was the last one
 
       wire        across = (first_i[2:0] != 3'd0);
       wire [3:0]  end_at = last_i | {4{~at_last_i}};
       wire [15:0] kept = 16'hFFFF >> ~end_at;      // up to the last item
-      wire        leaves = wide & ~writes & (put | (beat & second_q) | fill);
-      wire        whole  = whole_q | (put_q & fit_i);
+      wire        leaves = wide & ~writes & (put_q | second_q | fill_q);
+      wire        all    = all_q | (gone_q & fit_i);
       // verilator lint_off UNUSED
       wire [15:0] twins  = {fresh, held_q} << turn_q;    // its lower half leaves
       // verilator lint_on UNUSED
 
-      assign passes = leaves | (wide & (take | (state_q == ST_LEAD) | (ack & writes)));
+      assign passes = leaves | (wide & (take_q | lead | (ack & writes)));
       assign fresh  = writes ? byte_i : word_q[7:0];
       assign turned = twins[15:8];
-      assign packed_put = leaves & (skip_q == 2'd0) & ~whole;
+      assign packed_put = leaves & (skip_q == 2'd0) & ~all;
       assign word   = word_q;
 
       always @(posedge clk_i) begin
         if (ack && !writes) word_q <= wb_dat_i & kept;
         else if (passes)    word_q <= {turned & {8{writes}}, word_q[15:8]};
-        second_q <= put & ~writes & wide;
-        put_q    <= packed_put;
-        whole_q  <= whole & moving_o;
-        if (state_q == ST_REST) begin
+        second_q <= put_q & ~writes & wide & ~rst_i;
+        gone_q   <= packed_put;
+        all_q    <= all & moving_q;
+        if (!moving_q) begin
           turn_q <= writes ? first_i[2:0] : 3'd0 - first_i[2:0];
           skip_q <= {first_i[3] & across, first_i[3] ^ across};
         end else if (leaves && skip_q != 2'd0) skip_q <= skip_q - 2'd1;
@@ -208,36 +215,45 @@ module modbus_burst #(
 
   // ------------------------------------------------------------------ the held byte
 
-  // From the bus or shifted while items move, else a literal, the status, or made of the byte under the cursor
+  // What the bank and the memories of the core show comes late, so nothing stands behind it but an OR.
   wire        load    = do_i[`MB_DO_LOAD];
   wire        literal = (HAS_LITERALS != 0) & do_i[`MB_DO_LITERAL];
-  wire        moves   = beat | fill | passes;
-  wire [15:0] data    = inner ? inner_i : wb_dat_i;
-  wire [7:0]  moved   = wide ? fresh : words ? data[7:0] : {data[0] & beat, held_q[7:1]};
-  wire [1:0]  what    = load ? argument_i[`MB_ARG_WHAT] : `MB_LOAD_BYTE;
+  wire        gives   = literal | do_i[`MB_DO_STATUS];
   wire [7:0]  given   = literal ? argument_i[`MB_ARG_LITERAL] : status_i;
-  wire [7:0]  seen    = (literal | do_i[`MB_DO_STATUS])            ? given :
-                        (what == `MB_LOAD_XOR && HAS_MASK != 0)    ? held_q ^ byte_i :
-                        (what == `MB_LOAD_AND && HAS_MASK != 0)    ? held_q & byte_i :
-                        {byte_i[7] | (load & argument_i[`MB_ARG_MARK]), byte_i[6:0]};
-  wire        holds   = do_i[`MB_DO_HOLD] | load | literal | do_i[`MB_DO_STATUS] | (wide ? passes : take | ack | fill);
+  wire [7:0]  inner_high, inner_low;
+  assign {inner_high, inner_low} = (HAS_INTERNAL != 0) ? inner_i : 16'd0;
+
+  wire [7:0]  moved   = (words | given_q) ? low_q : wide ? fresh : {low_q[0], held_q[7:1]};
+  wire [1:0]  what    = load ? argument_i[`MB_ARG_WHAT] : `MB_LOAD_BYTE;
+  wire [7:0]  seen    = (what == `MB_LOAD_XOR && HAS_MASK != 0) ? held_q ^ late_q :
+                        (what == `MB_LOAD_AND && HAS_MASK != 0) ? held_q & late_q :
+                        {late_q[7] | (load & argument_i[`MB_ARG_MARK]), late_q[6:0]};
+  // The first bit that is written is seen in the byte; meanwhile the byte is held, and those that follow are shifted out.
+  wire        first   = item_q & writes & ~pairs & (bit_q == 3'd0);
+  wire        looks   = do_i[`MB_DO_HOLD] | load | first;
+  wire        holds   = looks | given_q | (wide ? passes : put_q | shift);
 
   always @(posedge clk_i) begin
-    state_q     <= state_d;
-    inner_q     <= space_i[2] & (space_i[1:0] != 2'b00);
+    inner_q     <= do_i[`MB_DO_BURST] & space_i[2] & (space_i[1:0] != 2'b00);
     dry_q       <= argument_i[`MB_ARG_DRY];
-    inner_ack_q <= item & inner & ~inner_ack_q;
+    bus_q       <= ~(space_i[2] & (space_i[1:0] != 2'b00)) & ~argument_i[`MB_ARG_DRY];
+    inner_ack_q <= item_q & inner & ~inner_ack_q;
     if (burst_done || lost || do_i[`MB_DO_RELEASE]) keep_q <= argument_i[`MB_ARG_KEEP] & burst_done;
-    ended_q     <= moving_o & (ended_q | (ack & at_last_i));
+    if (!item_q || !writes) late_q <= item_q ? (wb_dat_i[15:8] & {8{bus}}) | inner_high : byte_i;
+    last_q      <= put_q & ~wide;
+    given_q     <= gives;
+    if (ack || fill_q || gives) low_q <= (wb_dat_i[7:0] & {8{stb}}) | inner_low | (given & {8{gives}});
+    ended_q     <= moving_q & (ended_q | (ack & at_last_i));
 
-    if (state_q == ST_REST) bit_q <= 3'd0;
-    else if (shift)         bit_q <= bit_q + 3'd1;
+    if (!moving_q)  bit_q <= 3'd0;
+    else if (shift) bit_q <= bit_q + 3'd1;
 
-    if (holds) held_q <= moves ? moved : seen;
+    if (holds) held_q <= looks ? seen : moved;
 
     if (rst_i) begin
-      state_q <= ST_REST;
       keep_q  <= 1'b0;
+      given_q <= 1'b0;
+      last_q  <= 1'b0;
     end
   end
 
@@ -253,21 +269,22 @@ module modbus_burst #(
                        (asks ? grant_ack_i : wb_err_i)   ? (exception_i | {1'b0, exception_i == 4'd0, 2'b00}) :
                        asks                              ? `MB_EX_DEVICE_BUSY : `MB_EX_DEVICE_FAILURE;
   assign held_o   = held_q;
-  assign moving_o = (state_q != ST_REST);
+  assign late_o   = late_q;
+  assign moving_o = moving_q;
   assign next_o   = ack;
 
-  assign put_o  = put_high | (put & ~wide) | packed_put;
-  assign data_o = packed_put ? turned : beat ? data[15:8] : held_q;
-  assign step_o = take | (wide & (state_q == ST_LEAD)) | (ack & writes & pairs);
+  assign put_o  = last_q | put_high | packed_put;
+  assign data_o = packed_put ? turned : put_high ? late_q : held_q;
+  assign step_o = take_q | lead | (ack & writes & pairs);
 
   assign waiting_o   = (question & ~grant_ack_i) | (stb & ~wb_ack_i);
   assign grant_req_o = question;
-  assign inner_o     = moving_o & inner;
+  assign inner_o     = inner;
 
-  assign wb_cyc_o = (moving_o & ~inner & ~dry) | keep_q;
+  assign wb_cyc_o = (moving_q & bus) | keep_q;
   assign wb_stb_o = stb;
   assign wb_we_o  = stb & writes;
-  assign wb_dat_o = wide ? word : {held_q, byte_i[7:1], words ? byte_i[0] : held_q[0]};
+  assign wb_dat_o = wide ? word : {late_q, byte_i[7:1], words ? byte_i[0] : first ? late_q[0] : held_q[1]};
 
 `ifdef FORMAL
   // A range of f_left items more than this one, and the frame around the burst
@@ -279,7 +296,8 @@ module modbus_burst #(
   reg [3:0]  f_count = 4'd0;         // so many
   reg        f_failed = 1'b0;        // the burst ended without done
 
-  wire f_begins = (state_q == ST_REST) & do_i[`MB_DO_BURST];
+  wire f_begins = begins;
+  wire [15:0] f_data = inner ? inner_i : wb_dat_i;
 
   always @(posedge clk_i) begin
     f_past <= 1'b1;
@@ -291,10 +309,10 @@ module modbus_burst #(
       f_over <= f_over | at_last_i;
     end
     if (f_begins || (put_o && !words)) begin
-      f_count <= 4'd0;
-      f_bits  <= 8'd0;
+      f_count <= {3'd0, ack};
+      f_bits  <= {7'd0, ack & f_data[0]};
     end else if (ack) begin
-      f_bits[f_count[2:0]] <= data[0];
+      f_bits[f_count[2:0]] <= f_data[0];
       f_count <= f_count + 4'd1;
     end
   end
@@ -302,7 +320,7 @@ module modbus_burst #(
   always @* begin
     if (!f_past) assume (rst_i);
     assume (at_last_i == (f_left == 4'd0));
-    assume (!(do_i[`MB_DO_GRANT] && do_i[`MB_DO_BURST]));
+    if (do_i[`MB_DO_BURST]) assume (do_i[5:0] == (6'd1 << `MB_DO_BURST) && !given_q);
   end
 
   always @(posedge clk_i) begin
@@ -316,16 +334,21 @@ module modbus_burst #(
       if ($past(f_begins)) assume ($stable(argument_i) && $stable(space_i));
       if (HAS_INTERNAL != 0 && moving_o) assume (!inner || !writes);
       assume (dry_q == 1'b0 || writes);
+      assume (inner || inner_i == 16'd0);
     end
     if (f_past && !rst_i && !$past(rst_i)) begin
-      assert (state_q <= ST_LEAD);
+      assert (moving_q == ({2'd0, lead_q} + take_q + item_q + fill_q + put_q + tail_q == 3'd1));
+      assert ({2'd0, lead_q} + take_q + item_q + fill_q + put_q + tail_q <= 3'd1);
       // Never past the last item
       if (moving_o && f_over) assert (!next_o && !wb_stb_o);
       assert (!moving_o || ended_q == f_over);
       if (burst_done) assert (f_over);
       // Bits packed from the lowest, filled with zeros
-      if (put_o && moving_o && !pairs) assert (data_o == f_bits);
-      if (moving_o && !pairs && !writes && state_q != ST_PUT) assert (bit_q == f_count[2:0] || f_over);
+      if (put_o && !pairs) assert (data_o == f_bits);
+      if (moving_o && !pairs && !writes && !put_q) assert (bit_q == f_count[2:0] || f_over);
+      // A register read goes to the frame in the two clocks behind its beat, high byte first.
+      if ($past(ack && words && !bytes && !writes)) assert (put_o && data_o == $past(f_data[15:8]));
+      if (last_q && words && !bytes)                assert (put_o && data_o == $past(f_data[7:0], 2));
       // A beat is not withdrawn or changed before the bank answers.
       if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall_i))
         assert (wb_stb_o && $stable(wb_we_o));
@@ -342,7 +365,7 @@ module modbus_burst #(
       if ($past(do_i[`MB_DO_RELEASE]) && !$past(moving_o) && !moving_o) assert (!wb_cyc_o);
     end
     cover (f_past && burst_done && !words && writes && f_items == 4'd9);
-    cover (f_past && put_o && !words && moving_o && f_over);
+    cover (f_past && put_o && !words && f_over);
   end
 
   // Sixteen bits a beat: the range begins at bit f_from of the first of its words and ends at bit f_to of the last.  One

@@ -8,9 +8,10 @@
 // of the log.  What is counted, logged and cleared, and when, is written in modbus_program (MODBUS over Serial Line
 // V1.02, appendix A; MODBUS Application Protocol V1.1b3, clauses 6.8 to 6.10).
 //
-// COUNT and LOG are held for two clocks, NOW is high in the second.  Between them the RAM serves the burst of an answer,
-// else the host: status_ack_o comes when it did, so the host never stops the line.  After rst_i the program clears the
-// counters; the host is not answered before cleared_i.
+// COUNT and LOG are held for four clocks, NOW is high in the last: the word is read, counted up into a register, written, so
+// no path leads from the RAM to itself within a clock.  Between them the RAM serves the burst of an answer, else the host:
+// status_ack_o comes when it did, so the host never stops the line.  After rst_i the program clears the counters; the host
+// is not answered before cleared_i.
 
 `default_nettype none
 `include "modbus_defs.vh"
@@ -69,13 +70,13 @@ module modbus_diagnostics (
   wire [6:0] at     = logging ? {1'b1, entry} : counting ? {2'd0, which} : of_log ? {1'b1, entry} : {1'b0, wanted};
   wire       logs   = logging & now;
   wire       write  = logs | (counting & now & do_i[`MB_DO_APPLIES]);
-  // Event, 0, or one more: the sum means nothing in the first two cases; written so, it takes one cell a bit.
   wire        fresh = logging | clear;
-  wire [15:0] next  = word_q + {{15{fresh}}, 1'b1};
+  reg  [15:0] next_q;                // one more, or 0
 
   always @(posedge clk_i) begin
-    if (write) memory[at] <= fresh ? {8'd0, event_i} : next;
+    if (write) memory[at] <= next_q | {8'd0, event_i};
     word_q <= memory[at];
+    next_q <= fresh ? 16'd0 : word_q + 16'd1;
     ack_q  <= host & status_stb_i & ready_q & ~ack_q;
     state_q <= ~of_log & (wanted[5:2] == 4'd0);
     which_q <= wanted[1:0];

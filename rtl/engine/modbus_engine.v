@@ -27,7 +27,7 @@ module modbus_engine #(
   input  wire [`MB_RAM_WIDTH-1:0]     ram_do_i,          // strobes, MB_RAM_*
   input  wire [7:0]  rx_byte_i,      // level : with MB_RAM_STORE
   input  wire        rx_active_i,    // level : a frame is being received
-  output wire [7:0]  frame_byte_o,   // level : the byte under the cursor
+  output wire [7:0]  frame_byte_o,   // level : the byte that was under the cursor a clock ago
   output wire [8:0]  count_o,        // level : bytes received, or bytes to send
   output wire [`MB_VERDICT_WIDTH-1:0] verdict_o,         // strobes, MB_VERDICT_*
   input  wire        sending_i,      // level : an answer is on its way
@@ -41,6 +41,7 @@ module modbus_engine #(
 
   wire [8:0]  at;
   wire [15:0] step;
+  wire        fetch;
   wire [`MB_ENTRIES_WIDTH-1:0]  entries;
   wire [`MB_RAM_DO_WIDTH-1:0]   ram_do;
   wire [`MB_RANGE_DO_WIDTH-1:0] range_do;
@@ -50,7 +51,7 @@ module modbus_engine #(
   wire [10:0] argument;
   wire [2:0]  space;
   wire [3:0]  code, fail_code, user_code, cursor;
-  wire [7:0]  held, length, event_byte, frame_byte, status_byte, burst_data;
+  wire [7:0]  held, length, event_byte, frame_byte, late_byte, status_byte, burst_data;
   wire [8:0]  count, kept_count;
   wire        done, fail, past_end, at_last, moving, next, burst_put, burst_step, waiting;
   wire        offer, user_put, user_done, user_fail;
@@ -65,12 +66,12 @@ module modbus_engine #(
     .MAX_WRITE_REGISTERS(MAX_WRITE_REGISTERS), .RW_MAX_READ(RW_MAX_READ), .RW_MAX_WRITE(RW_MAX_WRITE),
     .CHECK_WRITES(CHECK_WRITES), .ASCII_MODE(ASCII_MODE), .SERVER_ID_BYTES(SERVER_ID_BYTES),
     .ADDITIONAL_DATA_BYTES(ADDITIONAL_DATA_BYTES), .CONFORMITY(CONFORMITY)
-  ) u_program (.clk_i(clk_i), .at_i(at), .step_o(step), .entries_o(entries));
+  ) u_program (.clk_i(clk_i), .at_i(at), .fetch_i(fetch), .step_o(step), .entries_o(entries));
 
   modbus_sequencer #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_sequencer (
     .clk_i(clk_i), .rst_i(rst_i), .busy_i(host_state_i[`MB_HOST_BUSY]), .failure_i(host_state_i[`MB_HOST_FAILURE]),
     .write_stb_o(write_stb_o), .frame_i(frame_i), .verdict_o(verdict_o), .sending_i(sending_i), .at_o(at),
-    .step_i(step), .entries_i(entries), .byte_i(frame_byte), .cursor_i(cursor), .count_i(count), .ram_do_o(ram_do),
+    .fetch_o(fetch), .step_i(step), .entries_i(entries), .byte_i(late_byte), .cursor_i(cursor), .count_i(count), .ram_do_o(ram_do),
     .range_do_o(range_do), .burst_do_o(burst_do), .argument_o(argument), .space_o(space), .code_o(code),
     .found_i(found), .done_i(done), .fail_i(fail), .fail_code_i(fail_code), .held_i(held), .offer_o(offer),
     .user_done_i(user_done), .user_fail_i(user_fail), .user_pass_i(user_reply_i[`MB_USER_PASS]),
@@ -81,8 +82,8 @@ module modbus_engine #(
     .HAS_BITS(HAS_BITS), .HAS_WORDS(HAS_WORDS), .HAS_LITERALS(HAS_LITERALS), .HAS_FILES(HAS_FILES),
     .BITS_PER_BEAT(BITS_PER_BEAT)
   ) u_range (
-    .clk_i(clk_i), .do_i(range_do), .argument_i(argument), .space_i(space), .held_i(held), .byte_i(frame_byte),
-    .count_i(count), .found_o(found), .past_end_o(past_end), .length_o(length), .moving_i(moving), .next_i(next),
+    .clk_i(clk_i), .do_i(range_do), .argument_i(argument), .space_i(space), .byte_i(late_byte), .count_i(count),
+    .found_o(found), .past_end_o(past_end), .length_o(length), .moving_i(moving), .next_i(next),
     .at_last_o(at_last), .first_o(first), .last_o(grant_last_o), .file_o(grant_file_o)
   );
 
@@ -93,7 +94,7 @@ module modbus_engine #(
     .clk_i(clk_i), .rst_i(rst_i), .do_i(burst_do), .argument_i(argument[9:0]), .space_i(space),
     .status_i(status_byte), .held_o(held), .done_o(done), .fail_o(fail), .fail_code_o(fail_code),
     .past_end_i(past_end), .at_last_i(at_last), .first_i(first[3:0]), .last_i(grant_last_o[3:0]),
-    .fit_i(found[`MB_FOUND_FIT]), .moving_o(moving), .next_o(next), .byte_i(frame_byte),
+    .fit_i(found[`MB_FOUND_FIT]), .moving_o(moving), .next_o(next), .byte_i(frame_byte), .late_o(late_byte),
     .put_o(burst_put), .data_o(burst_data), .step_o(burst_step), .inner_o(inner), .inner_i(inner_data),
     .waiting_o(waiting), .stall_i(stall_i), .grant_req_o(grant_req_o), .grant_ack_i(grant_ack_i),
     .exception_i(exception_i), .wb_cyc_o(wb_cyc_o), .wb_stb_o(wb_stb_o), .wb_we_o(wb_we_o), .wb_dat_o(wb_dat_o),
@@ -147,7 +148,7 @@ module modbus_engine #(
     .byte_o(frame_byte), .cursor_o(cursor), .count_o(count), .kept_count_o(kept_count)
   );
 
-  assign frame_byte_o = frame_byte;
+  assign frame_byte_o = late_byte;
   assign count_o      = count;
 
   // The user sees the request, appends to the answer, and cannot go beyond the longest PDU.
@@ -215,7 +216,8 @@ module modbus_engine #(
   endgenerate
 
   assign status_dat_o = words_data;
-  assign inner_data   = (HAS_IDENTITY != 0 && space == `MB_SPACE_TEXTS) ? {8'd0, texts_data} : words_data;
+  wire texts = (HAS_IDENTITY != 0) & (space == `MB_SPACE_TEXTS);
+  assign inner_data   = ({16{inner & ~texts}} & words_data) | {8'd0, {8{inner & texts}} & texts_data};
 
 `ifdef FORMAL
   // The line: one frame at a time, the next not before the one before is dealt with; an answer ends some time.
@@ -265,6 +267,7 @@ module modbus_engine #(
       assert (f_checked && f_checked_space == wb_adr_o[18:16]);
     if (wb_stb_o && wb_adr_o[18:17] == 2'b11) assert (CHECK_WRITES != 0 && wb_we_o);
     if (f_sending)           assert (!wb_cyc_o);             // the bus is free before the answer
+    if (!inner)              assert (inner_data == 16'd0);
     if (verdict_o[`MB_VERDICT_SEND]) assert (f_good);
     // A beat is not withdrawn before the bank answers.
     if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall_i))

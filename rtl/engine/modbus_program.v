@@ -33,7 +33,8 @@ module modbus_program #(
 ) (
   input  wire        clk_i,
   input  wire [8:0]  at_i,        // address of a step
-  output wire [15:0] step_o,      // the step, one clock later
+  input  wire        fetch_i,     // level: step_o becomes that step, else it stands still
+  output wire [15:0] step_o,
 
   output wire [`MB_ENTRIES_WIDTH-1:0] entries_o          // constants: where the sequencer begins, MB_ENTRY_*
 );
@@ -233,7 +234,7 @@ module modbus_program #(
     end
   endgenerate
 
-  always @(posedge clk_i) step_q <= memory[at_i[$clog2(DEPTH)-1:0]];
+  always @(posedge clk_i) if (fetch_i) step_q <= memory[at_i[$clog2(DEPTH)-1:0]];
 
   assign step_o    = step_q;
   assign entries_o = PROGRAM[16*STEPS + 2*INFO +: `MB_ENTRIES_WIDTH];

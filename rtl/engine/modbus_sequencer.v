@@ -6,9 +6,14 @@
 // It begins with a good frame for us (t3.5 is over), and with a foreign or a bad one to count it.  VERDICT_SEND: count
 // bytes in the frame RAM are the answer; the steps go on beside it.  VERDICT_QUIET: nothing is sent.
 //
-// A step takes two clocks to fetch and one or more to carry out.  A step of several clocks has all its decisions in
-// registers, for speed.  Whatever goes wrong becomes one exception code and the EXCEPTION routine, before the next step
-// begins; in a broadcast that routine sends nothing either (V1.02, clause 2.2).
+// A step takes one to four clocks (modbus_steps.vh), or waits.  A free clock follows, so what went wrong is known before the
+// next step begins.  That one is fetched meanwhile; only a jump costs a clock more.  A step of several clocks has all its
+// decisions in registers, for speed; the limit of a quantity is compared in the clock behind the step, and another
+// follows.  Whatever goes wrong becomes one exception code and the EXCEPTION routine, before the next step begins; in a
+// broadcast that routine sends nothing either (V1.02, clause 2.2).
+//
+// byte_i is the byte that was under the cursor a clock ago.  A step may look at it in its first clock, since the free clock
+// lies between that and the last move of the cursor; not behind PUT, which moves it in the free clock.
 //
 // The sequencer waits for nobody but the bank (GRANT, BURST), the user (OFFER) and the transmitter (MODE with WAIT).
 
@@ -35,11 +40,12 @@ module modbus_sequencer #(
 
   // Program
   output wire [8:0]  at_o,
-  input  wire [15:0] step_i,         // a clock after at_o
+  output wire        fetch_o,        // level : step_i becomes the step at at_o
+  input  wire [15:0] step_i,         // stands still otherwise
   input  wire [`MB_ENTRIES_WIDTH-1:0] entries_i,     // constants: where to begin, MB_ENTRY_*
 
   // Frame RAM
-  input  wire [7:0]  byte_i,         // under the cursor
+  input  wire [7:0]  byte_i,         // under the cursor a clock ago
   input  wire [3:0]  cursor_i,
   input  wire [8:0]  count_i,
   output wire [`MB_RAM_DO_WIDTH-1:0]   ram_do_o,     // MB_DO_*
@@ -79,8 +85,8 @@ module modbus_sequencer #(
   wire [4:0]  step = {(HAS_MORE_STEPS != 0) & fetched[15], fetched[14:11]};
 
   reg        run_q = 1'b0;           // a frame is worked on
-  reg        fetched_q = 1'b0;       // step_i is the step at at_q
-  reg [8:0]  at_q = 9'd0;
+  reg        fetched_q = 1'b0;       // step_i is the step that is carried out, or in the free clock the next one
+  reg [8:0]  at_q = 9'd0;            // of the step to fetch next
   // verilator lint_off UNUSED
   reg [31:0] is_q = 32'd0;           // the step being carried out, one hot; there are no steps 29 to 31
   // verilator lint_on UNUSED
@@ -101,10 +107,14 @@ module modbus_sequencer #(
   reg        count_held_q;           // count was the held byte a clock ago
   reg        zero_q;                 // the byte was 0 a clock ago
   reg        left_q, no_words_q;     // so many bytes were left a clock ago: not 0; none, an odd number, or less
+  reg        limit_q = 1'b0;         // the quantity is compared with its limit now; the step has ended
   reg [3:0]  unready_q;              // exception code of a host that was busy or had failed a clock ago, 0: neither
   reg        restart_q = 1'b0;
-  reg        same_q;                 // the byte was the literal a clock ago; OFFER: the user passed
-  reg        holds_q;                // the condition of IF held a clock ago
+  reg        load_q = 1'b0;          // behind LOAD: its byte is there
+  reg        put_q = 1'b0;           // behind PUT: its byte is held
+  reg        same_q;                 // the byte was the literal a clock ago
+  reg        pass_q;                 // the user passed a clock ago
+  reg        holds_q;                // the condition of IF held a clock ago, if it is not EQUAL
 
   wire is_dispatch   = is_q[`MB_STEP_DISPATCH];
   wire is_jump       = is_q[`MB_STEP_JUMP];
@@ -148,12 +158,12 @@ module modbus_sequencer #(
   wire coil_value  = zero_q & (held_i == 8'h00 || (held_i == 8'hFF && !argument[`MB_ARG_ZERO]));
   wire negative    = is_if & clock_2 & (condition == `MB_IF_LEFT) & count_i[8];
   wire goes_on     = (HAS_DIAGNOSTICS != 0 && argument[`MB_ARG_WORDS]) ? no_words_q : left_q;
-  wire bad_value   = ((is_quantity | is_depth) & clock_4 & ~found_i[`MB_FOUND_IN_LIMIT])
-                   | (is_coil & clock_3 & ~coil_value)
+  wire bad_value   = (limit_q & ~found_i[`MB_FOUND_IN_LIMIT])
+                   | (is_coil & clock_4 & ~coil_value)
                    | (is_byte_count & clock_3 & ~count_held_q)
                    | (is_byte_count & clock_4 & argument[`MB_ARG_FIT] & ~found_i[`MB_FOUND_FIT])
-                   | ((is_end | (is_coil & clock_4)) & goes_on)
-                   | (is_total & clock_4 & found_i[`MB_FOUND_TOO_LONG])
+                   | (((is_end & clock_2) | (is_coil & clock_4)) & goes_on)
+                   | (is_total & clock_2 & found_i[`MB_FOUND_TOO_LONG])
                    | negative;
   wire unready     = is_jump & (condition == `MB_JUMP_READY) & (unready_q != 4'd0);
   wire unmatched   = is_match & clock_2 & ~same_q & (argument[`MB_ARG_EXCEPTION] != 3'd0);
@@ -202,7 +212,7 @@ module modbus_sequencer #(
   end
 
   wire       jumps = is_jump & (condition == `MB_JUMP_ALWAYS || condition == `MB_JUMP_UNICAST);
-  wire       taken = jumps | (is_if & clock_2 & holds_q) | (is_offer & finished_q & ~same_q);
+  wire       taken = jumps | (is_if & clock_2 & holds_q) | (is_offer & finished_q & ~pass_q);
   // The entry in a table: the low five bits, 1FH for bytes above
   wire [4:0] entry = byte_i[4:0] | {5{byte_i[7:5] != 3'd0}};
 
@@ -217,18 +227,17 @@ module modbus_sequencer #(
     for (k = 0; k < 16; k = k + 1)  decoded[k] = (step[3:0] == k[3:0]);
     for (k = 16; k < 24; k = k + 1) decoded[k] = ({step[4], step[2:0]} == {1'b1, k[2:0]});
     for (k = 24; k < 32; k = k + 1) decoded[k] = ({step[4:3], step[1:0]} == {2'b11, k[1:0]});
-    {fields, one, two, four} = 4'd0;
-    case (step)
-      `MB_STEP_ADDRESS, `MB_STEP_QUANTITY, `MB_STEP_DEPTH, `MB_STEP_FILE, `MB_STEP_COIL,
-      `MB_STEP_BYTE_COUNT:                                                     fields = 1'b1;
-      `MB_STEP_LOAD, `MB_STEP_PUT, `MB_STEP_TOTAL:                             four = 1'b1;
-      `MB_STEP_IF, `MB_STEP_MATCH, `MB_STEP_COUNT, `MB_STEP_LOG:               two = 1'b1;
-      `MB_STEP_WALK, `MB_STEP_GRANT, `MB_STEP_BURST, `MB_STEP_OFFER, `MB_STEP_MODE: ;
-      default:                                                                 one = 1'b1;
-    endcase
+    fields = (step[3:2] == 2'b01) & ~(step[4] & step[1]);
+    one    = (step[3:2] == 2'b00) | (step[3] & (step[1:0] == 2'b11));
+    two    = (step[3:2] == 2'b10) & (step[1:0] != 2'b11);
+    four   = (step[3:2] == 2'b01);
   end
 
-  // The next step, or another; the sum means nothing then, written so it takes one cell a bit.
+  // The limit is compared in the clock behind the step, and the next one is not ready for a clock more.
+  wire       judges  = (is_quantity | is_depth) & clock_4;
+  // at_q moves on when a step begins, so the next one is fetched when that ends; unless it leads elsewhere.  The sum means
+  // nothing then, written so it takes one cell a bit.
+  wire       moves   = fetched_q & ~active_q;
   wire       leaves  = ~run_q | raise_q | is_dispatch | taken;
   wire [8:0] next_at = at_q + {{8{leaves}}, 1'b1};
   wire [8:0] begins  = (HAS_DIAGNOSTICS == 0 || good) ? entries_i[`MB_ENTRY_START] :
@@ -238,12 +247,13 @@ module modbus_sequencer #(
                        argument[`MB_ARG_TARGET] | ({4'd0, entry} & {9{is_dispatch}});
 
   always @(posedge clk_i) begin
-    fetched_q <= run_q & ~ends & ~raise_q;
+    limit_q   <= judges;
+    fetched_q <= run_q & ~leaves & ~is_rest & ~judges;
     active_q  <= ~idle;
     is_q      <= {(idle | ~step[2]) ? 4'd0 : decoded[31:28], (idle | step[2]) ? 4'd0 : decoded[27:24],
                   (idle | step[3]) ? 8'd0 : decoded[23:16], (idle | step[4]) ? 16'd0 : decoded[15:0]};
-    {fields_q, one_q, two_q, four_q} <= idle ? 4'd0 : {fields, one, two, fields | four};
-    alone_q   <= (step == `MB_STEP_BYTE_COUNT) & ~fetched[`MB_ARG_FIT];
+    {fields_q, one_q, two_q, four_q} <= idle ? 4'd0 : {fields, one, two, four};
+    alone_q   <= is_byte_count & ~argument[`MB_ARG_FIT];
     clock_q   <= active_q ? {clock_q[1] | clock_q[0], ~clock_q[0]} : 2'd0;
 
     if (is_space || (is_address && argument[`MB_ARG_IN_SPACE])) space_q <= argument[`MB_ARG_SPACE];
@@ -252,18 +262,21 @@ module modbus_sequencer #(
     finished_q   <= done_i | fail_i | (is_offer & user_done_i) | user_fail;
     count_held_q <= (count_i == {1'b0, held_i});
     holds_q      <= holds;
+    load_q       <= is_load & clock_2;
+    put_q        <= is_put & clock_2;
     restart_q    <= set_mode & argument[`MB_MODE_LINE];
     left_q       <= (count_i != 9'd0);
     no_words_q   <= (count_i == 9'd0) | count_i[0] | count_i[8];
     unready_q    <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;
-    same_q       <= is_offer ? user_pass_i : (byte_i == argument[`MB_ARG_LITERAL]);
+    same_q       <= (byte_i == argument[`MB_ARG_LITERAL]);
+    pass_q       <= user_pass_i;
     zero_q       <= (byte_i == 8'h00);
 
     raise_q <= bad_value | unready | unmatched | illegal | fail_i | user_fail;
     failed_q <= run_q & (failed_q | raise_q);
     if (!failed_q && !raise_q) code_q <= cause;
 
-    if (leaves || ends) at_q <= leaves ? target : next_at;
+    if (leaves || moves) at_q <= leaves ? target : next_at;
 
     if (!run_q) begin
       long_q      <= frame_i[`MB_FRAME_LONG];
@@ -278,18 +291,20 @@ module modbus_sequencer #(
       active_q  <= 1'b0;
       {fields_q, one_q, two_q, four_q} <= 4'd0;
       raise_q   <= 1'b0;
+      limit_q   <= 1'b0;
     end
   end
 
   // ------------------------------------------------------------------ what the step does
 
   // In its first two clocks a step of fields takes a byte each, but for BYTE_COUNT without FIT, which takes one.
-  wire consume = (fields_q & ~clock_q[1] & ~(alone_q & clock_q[0])) | is_dispatch | (is_match & clock_2);
+  wire takes   = fields_q & ~clock_q[1] & ~((HAS_FILES != 0) & alone_q & clock_q[0]);
+  wire consume = takes | is_dispatch | (is_match & clock_2);
   wire walk    = is_walk & clock_q[0] & ~arrived_q;
-  wire placed  = is_put & clock_2;
   wire places  = (is_load & clock_1) | ((is_put | is_burst) & clock_1 & ~argument[`MB_ARG_HERE]);
 
   assign at_o        = at_q;
+  assign fetch_o     = idle;
   assign argument_o  = argument;
   assign code_o      = code_q;
   assign write_stb_o = is_tell;
@@ -305,25 +320,28 @@ module modbus_sequencer #(
 
   assign ram_do_o[`MB_DO_POINT]  = is_point | places | is_send;
   assign ram_do_o[`MB_DO_CLEAR]  = (is_point | (is_burst & clock_1)) & argument[`MB_ARG_CLEAR];
-  assign ram_do_o[`MB_DO_STEP]   = consume | walk | placed;
-  assign ram_do_o[`MB_DO_UP]     = (walk & argument[`MB_ARG_UP]) | placed;
+  assign ram_do_o[`MB_DO_STEP]   = consume | walk | put_q;
+  assign ram_do_o[`MB_DO_UP]     = (walk & argument[`MB_ARG_UP]) | put_q;
   assign ram_do_o[`MB_DO_DOWN]   = consume | (walk & ~argument[`MB_ARG_UP]);
-  assign ram_do_o[`MB_DO_PUT]    = placed;
+  assign ram_do_o[`MB_DO_PUT]    = put_q;
   assign ram_do_o[`MB_DO_SAVE]   = is_context & argument[`MB_ARG_SAVE];
   assign ram_do_o[`MB_DO_RECALL] = is_context & argument[`MB_ARG_RECALL];
 
-  assign range_do_o[`MB_DO_ADDRESS]  = is_address & clock_2;
-  assign range_do_o[`MB_DO_ONE]      = is_address & clock_2 & argument[`MB_ARG_ONE];
-  assign range_do_o[`MB_DO_QUANTITY] = is_quantity & clock_2;
-  assign range_do_o[`MB_DO_DEPTH]    = is_depth & clock_2;
+  // So the range gets a byte in the second clock and one in the third.
+  wire fields_clock = clock_q[1] ^ clock_q[0];
+
+  assign range_do_o[`MB_DO_ADDRESS]  = is_address & fields_clock;
+  assign range_do_o[`MB_DO_ONE]      = is_address & clock_1 & argument[`MB_ARG_ONE];
+  assign range_do_o[`MB_DO_QUANTITY] = (is_quantity | is_depth) & fields_clock;
+  assign range_do_o[`MB_DO_LESS_ONE] = is_quantity & clock_3;
   assign range_do_o[`MB_DO_FIRST]    = is_set & ~argument[`MB_ARG_LESS];
   assign range_do_o[`MB_DO_LESS]     = is_set & argument[`MB_ARG_LESS];
-  assign range_do_o[`MB_DO_FILE]     = is_file & clock_2;
+  assign range_do_o[`MB_DO_FILE]     = is_file & fields_clock;
   assign range_do_o[`MB_DO_NO_GROUP] = is_byte_count;
   assign range_do_o[`MB_DO_GROUP]    = is_total & clock_1;
 
   assign burst_do_o[`MB_DO_HOLD]    = fields_q & clock_1;
-  assign burst_do_o[`MB_DO_LOAD]    = is_load & clock_2;
+  assign burst_do_o[`MB_DO_LOAD]    = load_q;
   assign burst_do_o[`MB_DO_STATUS]  = is_put & clock_1 & argument[`MB_ARG_STATUS];
   assign burst_do_o[`MB_DO_LITERAL] = is_literal;
   assign burst_do_o[`MB_DO_GRANT]   = is_grant & ~finished_q;
@@ -332,7 +350,7 @@ module modbus_sequencer #(
 
   assign diag_do_o[`MB_DO_COUNT]          = is_count;
   assign diag_do_o[`MB_DO_LOG]            = is_log;
-  assign diag_do_o[`MB_DO_NOW]            = clock_2;
+  assign diag_do_o[`MB_DO_NOW]            = clock_4;
   assign diag_do_o[`MB_DO_APPLIES]        = applies;
   assign diag_do_o[`MB_DO_LISTEN]         = set_mode & argument[`MB_MODE_LISTEN];
   assign diag_do_o[`MB_DO_ACTIVE]         = set_mode & argument[`MB_MODE_ACTIVE];
@@ -375,11 +393,15 @@ module modbus_sequencer #(
     if (!burst_do_o[`MB_DO_GRANT] && !burst_do_o[`MB_DO_BURST]) assume (!done_i && !fail_i);
   end
 
-  // The program is a memory: at the same address it holds the same step.
-  reg f_past_2 = 1'b0;
+  // The program is a memory of steps: at the same address it holds the same one, and it shows it until the next is
+  // fetched.
+  reg       f_fetched = 1'b0;
+  reg [8:0] f_at;
+  always @* assume (fetched[15:11] <= `MB_STEP_MODE);
   always @(posedge clk_i) begin
-    f_past_2 <= f_past;
-    if (f_past_2 && $past(at_q) == $past(at_q, 2)) assume ($stable(step_i));
+    f_fetched <= f_fetched | fetch_o;
+    if (fetch_o) f_at <= at_q;
+    if (f_past && (!$past(fetch_o) || ($past(f_fetched) && $past(at_q) == $past(f_at)))) assume ($stable(step_i));
   end
 
   always @(posedge clk_i) if (f_past && !rst_i && !$past(rst_i)) begin
@@ -388,12 +410,15 @@ module modbus_sequencer #(
     assert (active_q || f_many == 6'd0);
     // Every step ends, unless it waits.
     assert (f_age <= 5'd8);
+    // A burst finds held what was given before it.
+    if (burst_do_o[`MB_DO_BURST]) assert (!$past(burst_do_o[`MB_DO_LITERAL] | burst_do_o[`MB_DO_STATUS]));
     // One that waits ends with the answer.
     if ((is_grant | is_burst) && $past(is_grant | is_burst) && $past(done_i | fail_i)) assert (ends);
     if (is_offer && $past(offer_o & (user_done_i | user_fail_i)))                      assert (ends);
     // Whatever goes wrong ends in the EXCEPTION routine, and nothing is commanded before that.
     if (f_raised) assert (at_q == f_exception_at);
     if ($past(raise_q)) assert (f_many == 6'd0);
+    if (raise_q) assert (!active_q || is_grant || is_burst || is_offer || is_byte_count);   // none but the one that failed
     if (raise_q) assert (run_q || $past(is_rest));
     if ($past(raise_q) && run_q) assert (failed_q);
     // Nothing is answered in a broadcast, nothing commanded without a frame.

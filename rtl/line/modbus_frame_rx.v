@@ -48,9 +48,10 @@ module modbus_frame_rx (
 
   // Frame RAM
   input  wire [8:0] count_i,
-  input  wire [7:0] byte_i,          // level : the byte under the cursor
+  input  wire [7:0] byte_i,          // level : the byte that was under the cursor a clock ago
   output wire       open_stb_o,      // strobe: a frame begins; cursor, count and CRC to start
   output wire       look_stb_o,      // strobe: cursor to the first byte
+  output wire       read_stb_o,      // strobe: byte_i is the first byte in the next clock
   output wire       store_stb_o,     // strobe: the character belongs under the cursor, a clock after char_stb_i
 
   // Verdict
@@ -81,8 +82,8 @@ module modbus_frame_rx (
   reg       heard_q = 1'b0;          // a character came during the work
   reg       open_q = 1'b0;           // a frame has begun; its first bit is far away
   reg       store_q = 1'b0;
-  // The frame is good: cursor to its first byte, look at that, decide whose it is; a clock each
-  reg       look_q = 1'b0, check_q = 1'b0, decide_q = 1'b0;
+  // The frame is good: cursor to its first byte, fetch that, compare it, decide whose it is; a clock each
+  reg       look_q = 1'b0, read_q = 1'b0, check_q = 1'b0, decide_q = 1'b0;
   reg       for_us_q, for_all_q;
 
   wire reception = (state_q == ST_RECEPTION);
@@ -100,7 +101,7 @@ module modbus_frame_rx (
 
   // The next frame may begin while the address of a foreign one is still being looked at.
   wire foreign = decide_q & ~for_us_q;
-  wire judging = look_q | check_q | decide_q;
+  wire judging = look_q | read_q | check_q | decide_q;
   wire work    = (state_q == ST_WORK) & ~judging;
   wire silent_end = dropped_i | (quiet_i & ~sending_i & ~send_i);
   wire done    = work & (sent_i | silent_end);
@@ -131,7 +132,8 @@ module modbus_frame_rx (
     store_q <= reception & whole_i & char_stb_i & ~full & ~rst_i;
     heard_q <= (state_q == ST_WORK) & heard;
     look_q   <= good & ~rst_i;
-    check_q  <= look_q & ~rst_i;
+    read_q   <= look_q & ~rst_i;
+    check_q  <= read_q & ~rst_i;
     decide_q <= check_q & ~rst_i;
     for_us_q  <= for_us;
     for_all_q <= for_all;
@@ -144,6 +146,7 @@ module modbus_frame_rx (
   end
 
   assign look_stb_o    = look_q;
+  assign read_stb_o    = read_q;
   assign good_stb_o    = decide_q & for_us_q;
   assign broadcast_o   = for_all_q;
   assign foreign_stb_o = foreign;
@@ -219,7 +222,8 @@ module modbus_frame_rx (
     end
     if (verdict) assert (good || f_error);             // every frame is accounted for
     if (look_q) assert ($past(good));
-    if (check_q) assert ($past(look_q));
+    if (read_q)  assert ($past(look_q));
+    if (check_q) assert ($past(read_q));
     if (good_stb_o || foreign_stb_o) assert ($past(check_q));
     if (events_o[`MB_EVENT_FRAME]) assert (good_stb_o != foreign_stb_o);
     else                           assert (!good_stb_o && !foreign_stb_o);

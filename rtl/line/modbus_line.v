@@ -52,7 +52,7 @@ module modbus_line #(
   input  wire        unit_ours_i,            // level : unit_o is one of ours, with UNIT_PORT
 
   // Answers from the engine
-  input  wire [7:0]  frame_byte_i,           // level : the byte under the cursor of the frame RAM
+  input  wire [7:0]  frame_byte_i,           // level : the byte that was under the cursor of the frame RAM a clock ago
   input  wire [8:0]  count_i,                // level : bytes of the frame, or left to send
   input  wire [`MB_VERDICT_WIDTH-1:0] verdict_i,     // strobes MB_VERDICT_*
   output wire        sending_o,              // level : an answer is on its way
@@ -193,11 +193,10 @@ module modbus_line #(
 
   // ------------------------------------------------------------------ frames
 
-  wire also;
+  wire also, read_stb;
 
   modbus_units #(.UNIT_SET(UNIT_SET), .UNIT_PORT(UNIT_PORT)) u_units (
-    .clk_i(clk_i), .look_i(ram_do_o[`MB_RAM_LOOK]), .byte_i(frame_byte_i), .ours_i(unit_ours_i), .unit_o(unit_o),
-    .also_o(also)
+    .clk_i(clk_i), .look_i(read_stb), .byte_i(frame_byte_i), .ours_i(unit_ours_i), .unit_o(unit_o), .also_o(also)
   );
 
   wire frames_idle, drop, sent_stb, dropped_stb;
@@ -210,7 +209,7 @@ module modbus_line #(
     .framing_error_i(framing_error), .half_i(half), .whole_i(whole), .crc_zero_i(check_ok), .t15_i(frame_t15),
     .t35_i(frame_t35),
     .count_i(count_i), .byte_i(frame_byte_i), .open_stb_o(ram_do_o[`MB_RAM_OPEN]),
-    .look_stb_o(ram_do_o[`MB_RAM_LOOK]), .store_stb_o(ram_do_o[`MB_RAM_STORE]),
+    .look_stb_o(ram_do_o[`MB_RAM_LOOK]), .read_stb_o(read_stb), .store_stb_o(ram_do_o[`MB_RAM_STORE]),
     .good_stb_o(frame_o[`MB_FRAME_GOOD]), .broadcast_o(frame_o[`MB_FRAME_BROADCAST]),
     .foreign_stb_o(frame_o[`MB_FRAME_FOREIGN]), .bad_stb_o(frame_o[`MB_FRAME_BAD]),
     .send_i(verdict_i[`MB_VERDICT_SEND]), .send_stb_o(send_stb), .drop_o(drop), .sending_i(sending_o),

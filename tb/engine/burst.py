@@ -42,7 +42,8 @@ class Tb:
             dut.fit_i.value = self.put_before == self.needed - 1
             self.put_before = len(self.frame)
             dut.byte_i.value = self.frame[self.cursor] if self.cursor < len(self.frame) else 0
-            dut.inner_i.value = self.bank.get(inner_at, 0xFFFF) if inner_at is not None else 0xFFFF
+            shows = inner_at is not None and int(dut.inner_o.value)  # 0 between the bursts from inside
+            dut.inner_i.value = self.bank.get(inner_at, 0xFFFF) if shows else 0
             dut.wb_ack_i.value = dut.wb_err_i.value = 0
             await Timer(1, "ns")
             stb = int(dut.wb_stb_o.value)
@@ -316,9 +317,12 @@ async def held_byte_is_loaded_in_each_way(dut):
     ):
         dut.byte_i.value, dut.status_i.value = byte, 0xA5
         dut.argument_i.value = argument(**fields)
+        await clocks(dut)
+        dut.byte_i.value = byte ^ 0xFF  # seen a clock later
         dut.do_i.value = do(commands)
         await clocks(dut)
         dut.do_i.value = 0
+        await clocks(dut, commands in ("STATUS", "LITERAL"))
         await settle()
         held = expected(held)
         assert int(dut.held_o.value) == held, f"{commands} {fields}: {int(dut.held_o.value):02X}, expected {held:02X}"

@@ -12,10 +12,10 @@ WAIT_CLOCKS = 10
 
 
 async def command(dut, name, event=0, **fields):
-    """COUNT or LOG: two clocks, NOW in the second."""
+    """COUNT or LOG: three clocks, NOW in the last."""
     dut.argument_i.value, dut.event_i.value = argument(**fields), event
     dut.do_i.value = do(name, "APPLIES")
-    await clocks(dut)
+    await clocks(dut, 2)
     dut.do_i.value = do(name, "APPLIES", "NOW")
     await clocks(dut)
     dut.do_i.value = dut.event_i.value = 0
@@ -85,7 +85,7 @@ async def a_condition_that_does_not_hold_counts_nothing(dut):
     await cleared(dut)
     await command(dut, "COUNT", COUNTER=EVENT, CLEAR=1)
     dut.argument_i.value = argument(COUNTER=EVENT)
-    for now in ((), ("NOW",)):
+    for now in ((), (), ("NOW",)):
         dut.do_i.value = do("COUNT", *now)
         await clocks(dut)
     dut.do_i.value = 0

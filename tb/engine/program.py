@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright (c) 2026 the project contributors
-"""The program memory: a step comes a clock after its address; the entries lead to the right routines."""
+"""The program memory: a step comes a clock after its address and stays; the entries lead to the right routines."""
 
 import cocotb
 from harness.steps import NUMBERS, RANGES, step, taken
@@ -8,7 +8,7 @@ from harness.unit import clocks, settle, start
 
 
 async def word(dut, at):
-    dut.at_i.value = at
+    dut.at_i.value, dut.fetch_i.value = at, 1
     await clocks(dut)
     await settle()
     return int(dut.step_o.value)
@@ -20,13 +20,15 @@ def entry(dut, name):
 
 
 @cocotb.test()
-async def a_step_comes_a_clock_after_its_address(dut):
+async def a_step_is_fetched_and_stays(dut):
     await start(dut)
     seen = [await word(dut, at) for at in range(512)]
     for at in (511, 0, 256, 255, 37):
-        dut.at_i.value = at
+        dut.at_i.value, dut.fetch_i.value = at, 0
+        await clocks(dut)
         await settle()
         before = int(dut.step_o.value)
+        dut.fetch_i.value = 1
         await clocks(dut)
         await settle()
         assert int(dut.step_o.value) == seen[at]

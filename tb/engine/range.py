@@ -14,12 +14,13 @@ LONGEST_ANSWER = 0xF5  # bytes of a file answer
 LAST_RECORD = 0x270F
 
 
-async def give(dut, commands, value=0, **levels):
-    """One clock of commands, the field `value` at the frame RAM."""
-    dut.held_i.value, dut.byte_i.value = value >> 8, value & 0xFF
-    for name, level in levels.items():
-        getattr(dut, f"{name}_i").value = level
-    dut.do_i.value = do(*commands.split())
+async def give(dut, commands, value=None):
+    """Commands, in one clock; with a field in two, its high byte in the first, the low one in the second."""
+    *field, last = [None] if value is None else [value >> 8, value & 0xFF]
+    for byte in field:
+        dut.byte_i.value, dut.do_i.value = byte, do(*(c for c in commands.split() if c != "LESS_ONE"))
+        await clocks(dut)
+    dut.byte_i.value, dut.do_i.value = last or 0, do(*commands.split())
     await clocks(dut)
     dut.do_i.value = 0
     await settle()
@@ -29,7 +30,7 @@ async def range_of(dut, first, quantity, space=Space.HOLDINGS):
     """First address and quantity as fields; two clocks later all is known."""
     dut.space_i.value = space
     await give(dut, "ADDRESS", first)
-    await give(dut, "QUANTITY", quantity)
+    await give(dut, "QUANTITY LESS_ONE", quantity)
     await clocks(dut, 3)
     await settle()
 
@@ -68,12 +69,12 @@ async def quantity_comes_in_four_ways(dut):
     await start(dut)
     for commands, literal, expected in (
         ("ADDRESS ONE", 0, (0x1234, 0x1234)),
-        ("DEPTH", 0, (0x1234, 0x1234 + 3)),
+        ("QUANTITY", 0, (0x1234, 0x1234 + 3)),
         ("FIRST", 0x0A, (0x0A, 0x0A)),
         ("LESS", 0x05, (0x0A, 0x0F)),
     ):
         dut.argument_i.value = argument(LITERAL=literal)
-        await give(dut, commands, 3 if commands == "DEPTH" else 0x1234)
+        await give(dut, commands, {"ADDRESS ONE": 0x1234, "QUANTITY": 3}.get(commands))
         await clocks(dut, 2)
         await settle()
         seen = int(dut.first_o.value), int(dut.last_o.value)
@@ -162,7 +163,7 @@ async def file_answers_end_at_f5(dut):
         await give(dut, "NO_GROUP")
         total = 0
         for quantity in groups:
-            await give(dut, "QUANTITY", quantity)
+            await give(dut, "QUANTITY LESS_ONE", quantity)
             assert int(dut.length_o.value) == 1 + 2 * quantity
             if total <= LONGEST_ANSWER:
                 await give(dut, "GROUP")

@@ -14,7 +14,7 @@ LIMIT = 300  # clocks of a program here
 NEVER = field("CONDITION", NUMBERS["JUMP_NEVER"], "ARG")
 VECTORS = {
     "ram": "POINT CLEAR STEP UP DOWN PUT SAVE RECALL".split(),
-    "range": "ADDRESS ONE QUANTITY DEPTH FIRST LESS FILE NO_GROUP GROUP".split(),
+    "range": "ADDRESS ONE QUANTITY LESS_ONE FIRST LESS FILE NO_GROUP GROUP".split(),
     "burst": "HOLD LOAD STATUS LITERAL GRANT BURST RELEASE".split(),
     "diag": "COUNT LOG LISTEN ACTIVE EMPTY CLEAR_REGISTER CLEAR_OVERRUN OVERRUN".split(),
 }
@@ -25,8 +25,9 @@ class Tb:
 
     def __init__(self, dut):
         self.dut, self.program, self.frame = dut, {}, b""
-        self.cursor = self.count = self.held = 0
+        self.cursor = self.count = self.held = self.late = 0
         self.seen, self.path, self.running = [], [], False
+        self.given = []  # (byte, commands) of each clock with commands
         cocotb.start_soon(self._around())
 
     async def _around(self):
@@ -34,11 +35,12 @@ class Tb:
         while True:
             dut.step_i.value = self.program.get(at, REST)
             dut.cursor_i.value, dut.count_i.value = self.cursor & 15, self.count & 0x1FF
-            dut.byte_i.value = self.frame[self.cursor] if self.cursor < len(self.frame) else 0
+            dut.byte_i.value = self.late
+            self.late = self.frame[self.cursor] if self.cursor < len(self.frame) else 0
             dut.held_i.value = self.held
             await Timer(1, "ns")
             await ReadOnly()
-            at = int(dut.at_o.value)
+            at = int(dut.at_o.value) if int(dut.fetch_o.value) else at
             commands = []
             for vector, names in VECTORS.items():
                 value = int(getattr(dut, f"{vector}_do_o").value)
@@ -51,6 +53,7 @@ class Tb:
             if self.running:
                 self.seen.append(commands)
                 self.path.append(at)
+                self.given += [(byte, commands)] if commands else []
             if "HOLD" in commands:
                 self.held = byte
             if "LITERAL" in commands:
@@ -69,7 +72,7 @@ class Tb:
         self.program = {START_AT + n: word for n, word in enumerate(steps)}
         self.program[EXCEPTION_AT] = step("POINT", PLACE=31)
         self.frame, self.cursor, self.count, self.held = frame, 0, len(frame), 0
-        self.seen, self.path = [], []
+        self.seen, self.path, self.given = [], [], []
         self.dut.frame_i.value = 1 | broadcast << NUMBERS["FRAME_BROADCAST"]
         await clocks(self.dut)
         self.running = True
@@ -109,13 +112,17 @@ def flat(seen):
 @cocotb.test()
 async def a_field_is_two_bytes(dut):
     tb = await bench(dut)
-    for name, command in (("ADDRESS", "ADDRESS"), ("FILE", "FILE"), ("DEPTH", "DEPTH"), ("QUANTITY", "QUANTITY")):
+    for name, command in (("ADDRESS", "ADDRESS"), ("FILE", "FILE"), ("DEPTH", "QUANTITY"), ("QUANTITY", "QUANTITY")):
         dut.found_i.value = 1 << NUMBERS["FOUND_IN_LIMIT"]
         seen = flat(await tb.run([step(name), REST], b"\x12\x34\x56"))
-        assert seen == ["STEP", "DOWN", "HOLD", "STEP", "DOWN", command], f"{name}: {seen}"
-        assert (tb.cursor, tb.count, tb.held) == (2, 1, 0x12)
+        assert [seen.count(c) for c in ("STEP", "DOWN", "HOLD")] == [2, 2, 1], f"{name}: {seen}"
+        assert (tb.cursor, tb.count) == (2, 1)
+        # The range gets the high byte first; the low one less one for QUANTITY alone.
+        field = [(byte, commands) for byte, commands in tb.given if command in commands]
+        assert [byte for byte, _ in field] == [0x12, 0x34], f"{name}: {tb.given}"
+        assert ["LESS_ONE" in c for _, c in field] == [False] * (len(field) - 1) + [name == "QUANTITY"]
     seen = flat(await tb.run([step("ADDRESS", ONE=1, IN_SPACE=1, SPACE=3), REST], b"\x12\x34"))
-    assert seen[-2:] == ["ADDRESS", "ONE"] and int(dut.space_o.value) == 3
+    assert seen.count("ADDRESS") == 2 and seen.count("ONE") == 1 and int(dut.space_o.value) == 3
 
 
 @cocotb.test()

@@ -29,7 +29,7 @@ USUAL = {
     "rounds with several units": 2,
     "seconds that 32 live devices are polled": 2,
     "reopened clients": 40,
-    "connections at once": 600,  # those accepted in one go may pass the limit of 200
+    "connections at once": 300,
     "live devices": 4,
     "seconds of live devices": 3,
     "soak requests": 400,

@@ -36,8 +36,8 @@ MISTAKES = [
     Mistake(
         "end_of_address_space_wraps",
         "modbus_range.v",
-        "assign past_end_o = past_ffff_q | (",
-        "assign past_end_o = (",
+        "past_end_q <= past_ffff_q | (",
+        "past_end_q <= (",
     ),
     Mistake(
         "refusal_taken_for_a_grant",
@@ -85,7 +85,7 @@ MISTAKES = [
         "unready_q    <= busy_i ? `MB_EX_DEVICE_BUSY : failure_i;",
         "unready_q    <= failure_i;",
     ),
-    Mistake("unused_bits_not_zero", "modbus_burst.v", "{data[0] & beat, held_q[7:1]}", "{data[0], held_q[7:1]}"),
+    Mistake("unused_bits_not_zero", "modbus_burst.v", "(wb_dat_i[7:0] & {8{stb}})", "wb_dat_i[7:0]"),
     Mistake("address_stands_still_in_a_burst", "modbus_range.v", "{{15{set_address}}, 1'b1}", "16'd0"),
     Mistake(
         "write_pulse_for_reads_too",
@@ -139,8 +139,8 @@ MISTAKES = [
         "`MB_WHEN_UNSENT:    applies = left_q;",
         "`MB_WHEN_UNSENT:    applies = broadcast_q;",
     ),
-    Mistake("counted_twice", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "16'd2"),
-    Mistake("counter_stops_at_its_end", "modbus_diagnostics.v", "{{15{fresh}}, 1'b1}", "{15'd0, ~&word_q}"),
+    Mistake("counted_twice", "modbus_diagnostics.v", "word_q + 16'd1", "word_q + 16'd2"),
+    Mistake("counter_stops_at_its_end", "modbus_diagnostics.v", "word_q + 16'd1", "word_q + {15'd0, ~&word_q}"),
     Mistake(
         "wrong_counter",
         "modbus_routines_frame.vh",
@@ -236,8 +236,8 @@ MISTAKES = [
     Mistake(
         "listen_only_left_by_a_longer_request",
         "modbus_sequencer.v",
-        "(is_end | (is_coil & clock_4))",
-        "(is_end | (is_coil & clock_4 & ~listen_only_i))",
+        "(is_end & clock_2) | (is_coil & clock_4)",
+        "(is_end & clock_2) | (is_coil & clock_4 & ~listen_only_i)",
     ),
     Mistake(
         "exception_in_listen_only_answered",
@@ -357,7 +357,7 @@ MISTAKES = [
     Mistake(
         "length_of_the_file_answer_not_judged",
         "modbus_sequencer.v",
-        "| (is_total & clock_4 & found_i[`MB_FOUND_TOO_LONG])",
+        "| (is_total & clock_2 & found_i[`MB_FOUND_TOO_LONG])",
         "",
     ),
     Mistake("length_of_the_file_answer_one_too_much", "modbus_range.v", "NO_GROUP = 8'd5", "NO_GROUP = 8'd4"),
@@ -494,7 +494,7 @@ MISTAKES = [
         "(refuses | excess) : 1'b0);",
     ),
     Mistake("broadcasts_offered_to_the_user", "modbus_sequencer.v", "& ~byte_i[7] & ~broadcast_q;", "& ~byte_i[7];"),
-    Mistake("user_may_not_pass", "modbus_sequencer.v", "(is_offer & finished_q & ~same_q)", "(is_offer & finished_q)"),
+    Mistake("user_may_not_pass", "modbus_sequencer.v", "(is_offer & finished_q & ~pass_q)", "(is_offer & finished_q)"),
     Mistake(
         "user_put_after_the_end",
         "modbus_engine.v",
@@ -540,8 +540,8 @@ MISTAKES = [
     Mistake(
         "single_item_is_two",
         "modbus_range.v",
-        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd0;",
-        "if (do_i[`MB_DO_ONE] || set_first)      quantity_less_one_q <= 16'd1;",
+        "if (do_i[`MB_DO_ONE] || set_first)     quantity_less_one_q <= 16'd0;",
+        "if (do_i[`MB_DO_ONE] || set_first)     quantity_less_one_q <= 16'd1;",
     ),
     Mistake(
         "burst_ends_an_item_early",
@@ -552,15 +552,15 @@ MISTAKES = [
     Mistake(
         "bits_packed_from_the_top",
         "modbus_burst.v",
-        "{data[0] & beat, held_q[7:1]}",
-        "{held_q[6:0], data[0] & beat}",
+        "{low_q[0], held_q[7:1]}",
+        "{held_q[6:0], low_q[0]}",
     ),
     # sixteen bits a beat
     Mistake("wide_bits_turned_the_wrong_way", "modbus_burst.v", "3'd0 - first_i[2:0]", "first_i[2:0]"),
-    Mistake("wide_read_puts_a_byte_too_many", "modbus_burst.v", "(put_q & fit_i)", "1'b0"),
+    Mistake("wide_read_puts_a_byte_too_many", "modbus_burst.v", "(gone_q & fit_i)", "1'b0"),
     Mistake("wide_read_shows_items_behind_the_last", "modbus_burst.v", "wb_dat_i & kept", "wb_dat_i"),
     Mistake("wide_read_keeps_the_byte_before_the_first", "modbus_burst.v", "first_i[3] ^ across", "across"),
-    Mistake("wide_write_always_begins_in_the_low_byte", "modbus_burst.v", "(wide & ~first_i[3])", "wide"),
+    Mistake("wide_write_always_begins_in_the_low_byte", "modbus_burst.v", "wide & ~first_i[3];", "wide;"),
     Mistake("wide_beat_moves_on_by_one_item", "modbus_range.v", "first_q[3:0] | lanes} + ", "first_q[3:0]} + "),
     Mistake("wide_burst_ends_with_its_last_item_alone", "modbus_range.v", "last_q[3:0]) | lanes[0])", "last_q[3:0]))"),
     Mistake(
