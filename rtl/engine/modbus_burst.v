@@ -237,7 +237,7 @@ module modbus_burst #(
     inner_q     <= do_i[`MB_DO_BURST] & space_i[2] & (space_i[1:0] != 2'b00);
     dry_q       <= argument_i[`MB_ARG_DRY];
     bus_q       <= ~(space_i[2] & (space_i[1:0] != 2'b00)) & ~argument_i[`MB_ARG_DRY];
-    inner_ack_q <= item_q & inner & ~inner_ack_q;
+    inner_ack_q <= inner & (put_q | (item_q & ~inner_ack_q));
     if (burst_done || lost || do_i[`MB_DO_RELEASE]) keep_q <= argument_i[`MB_ARG_KEEP] & burst_done;
     if (!item_q || !writes) late_q <= item_q ? (wb_dat_i[15:8] & {8{bus}}) | inner_high : byte_i;
     last_q      <= put_q & ~wide;

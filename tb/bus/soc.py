@@ -21,7 +21,7 @@ LIMIT = {"timeout_time": 10, "timeout_unit": "ms"}  # for a bus that waits for e
 WORDS = 128
 BLOCK = 10
 H = Space.HOLDINGS
-LONGEST = {True: 2248, False: 772}  # clocks of the longest 17H on the bus, AXI4-Lite and Wishbone: docs/buses.md
+LONGEST = {True: 2242, False: 766}  # clocks of the longest 17H on the bus, AXI4-Lite and Wishbone: docs/buses.md
 CPU_ACCESS_CLOCKS = 30  # the CPU may be in the middle of an access when the burst begins
 
 

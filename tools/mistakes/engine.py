@@ -569,6 +569,8 @@ MISTAKES = [
         "wire question = asks & ~past_end_i;",
         "wire question = asks;",
     ),
+    Mistake("high_byte_of_a_write_lost_in_a_wait_state", "modbus_burst.v", "if (!item_q || !writes) late_q", "late_q"),
+    Mistake("bits_behind_the_first_one_place_off", "modbus_burst.v", "late_q[0] : held_q[1]", "late_q[0] : held_q[0]"),
     Mistake("step_of_two_clocks_ends_after_one", "modbus_sequencer.v", "(two_q & clock_2)", "two_q"),
     Mistake(
         "place_of_a_burst_not_pointed_at",
