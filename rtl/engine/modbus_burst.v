@@ -7,9 +7,9 @@
 // filled with zeros; registers high byte first.  A register takes two clocks, a bit one and each byte of bits one more,
 // beside the bank's wait states.
 //
-// No path leads from one block RAM to another, but to the bank's: block RAMs are slow.  Two bytes stand between, and serve
-// the steps between bursts too.  late_o is the byte under the cursor a clock ago, at which the steps look.  held_o is the
-// byte count of a request, or a byte to put.
+// Block RAMs are slow, so no path leads from one to another, except from the frame RAM to the bank.  Three byte registers stand
+// between; the steps use them too.  late_o is the byte under the cursor a clock ago, at which the steps look.  held_o is the
+// first byte of a field, or a byte to put or to compare.
 //
 //   read:   high byte -> late_q -> frame         low byte or bit -> low_q -> held_q -> frame
 //   write:  high byte of the frame -> late_q -> bank, low byte -> bank; bits: late_q -> held_q, shifted out to the bank
@@ -62,7 +62,7 @@ module modbus_burst #(
 
   // Frame RAM
   input  wire [7:0]  byte_i,         // under the cursor
-  output wire [7:0]  late_o,         // the byte that was under the cursor a clock ago, unless a burst reads
+  output wire [7:0]  late_o,         // the byte that was under the cursor a clock ago, unless an item is on the bus
   output wire        put_o,          // strobe: data_o goes under the cursor; cursor and count up
   output wire [7:0]  data_o,         // level : also for the PUT step
   output wire        step_o,         // strobe: cursor up, count down
@@ -99,20 +99,20 @@ module modbus_burst #(
   reg        take_q = 1'b0;          // the next byte to write (of a register the high one) leaves the frame
   reg        item_q = 1'b0;          // an item is on the bus
   reg        fill_q = 1'b0;          // zeros above the last bit; sixteen bits a beat: what is left of the last byte
-  reg        put_q  = 1'b0;          // eight bits are complete, or the high byte of a register goes to the frame
+  reg        put_q  = 1'b0;          // eight bits or a byte are complete, or the high byte of a word goes to the frame
   reg        tail_q = 1'b0;          // a write has ended; sixteen bits a beat: a last byte follows
   reg        moving_q = 1'b0;
   reg [7:0]  held_q = 8'd0;          // a literal may come before the first byte: no X in a simulation
   reg [2:0]  bit_q;
   reg        ended_q;                // the last item is through
-  reg [7:0]  late_q = 8'd0;          // the byte under the cursor a clock ago; the high byte of a register that is read
-  reg [7:0]  low_q = 8'd0;           // its low byte; or bit 0: the bit that was read last, or a zero above the last
+  reg [7:0]  late_q = 8'd0;          // the byte under the cursor a clock ago; the high byte of a register that is
+                                     // read or written
+  reg [7:0]  low_q = 8'd0;           // the low byte of one that is read; bit 0: the bit that was read last, or a zero
   reg        last_q = 1'b0;          // the held byte goes to the frame: a low byte, or eight bits
   reg        keep_q = 1'b0;
   reg        given_q = 1'b0;         // low_q was given by the step and is to be held
   reg        inner_ack_q;            // the inner memory shows the item
-  reg        inner_q, dry_q;         // where the burst goes,
-  reg        bus_q;                  // to neither: to the bank
+  reg        inner_q, dry_q, bus_q;  // the burst goes to a memory of the core, nowhere, to the bank
 
   wire asks   = do_i[`MB_DO_GRANT];
   wire writes = argument_i[`MB_ARG_WRITE];
@@ -136,14 +136,14 @@ module modbus_burst #(
   wire lost  = stb & (wb_err_i | (stall_i & ~wb_ack_i));
   wire put_high   = put_q & words & ~bytes;
   wire burst_done = (tail_q & writes) | (wide ? fill_q : put_q & ended_q);
-  wire skips_low  = wide & ~first_i[3];              // the range begins in the low byte of a word
+  wire begins_low  = wide & ~first_i[3];              // the range begins in the low byte of a word
 
   //  read:  item, put, item, put ...          bits: item ..., (fill ...), put, item ...
   //  write: take, item, take, item ..., tail  bits: take, item ..., take ..., tail
   always @(posedge clk_i) begin
     moving_q <= (begins | moving_q) & ~lost & ~burst_done;
-    lead_q   <= begins & writes & skips_low;
-    take_q   <= (begins & writes & ~skips_low) | lead | (ack & writes & whole & ~at_last_i);
+    lead_q   <= begins & writes & begins_low;
+    take_q   <= (begins & writes & ~begins_low) | lead | (ack & writes & whole & ~at_last_i);
     item_q   <= (begins & ~writes) | take_q | (put_q & ~ended_q) | (item_q & ~lost & ~(ack & (whole | at_last_i)));
     fill_q   <= (HAS_BITS != 0) & ((ack & ~writes & ~whole & at_last_i) | (wide ? tail_q & ~writes : fill_q & ~whole));
     put_q    <= ~writes & whole & (ack | (fill_q & ~wide));
@@ -174,8 +174,9 @@ module modbus_burst #(
       reg [15:0] word_q = 16'd0;     // data bits outside the range are no X in a simulation
       reg [2:0]  turn_q;
       reg [1:0]  skip_q;             // so many bytes of the bank lie before the first of the frame
-      reg        second_q;           // the second byte of the bank's word is on its way
-      reg        gone_q, all_q;      // a byte went to the frame; all_q: that was the last one
+      reg        second_q = 1'b0;    // the second byte of the bank's word is on its way
+      reg        gone_q = 1'b0;      // a byte went to the frame
+      reg        all_q = 1'b0;       // and that was the last one
 
       wire        across = (first_i[2:0] != 3'd0);
       wire [3:0]  end_at = last_i | {4{~at_last_i}};
@@ -228,7 +229,7 @@ module modbus_burst #(
   wire [7:0]  seen    = (what == `MB_LOAD_XOR && HAS_MASK != 0) ? held_q ^ late_q :
                         (what == `MB_LOAD_AND && HAS_MASK != 0) ? held_q & late_q :
                         {late_q[7] | (load & argument_i[`MB_ARG_MARK]), late_q[6:0]};
-  // The first bit that is written is seen in the byte; meanwhile the byte is held, and those that follow are shifted out.
+  // The first bit of each byte goes out of late_q while held_q takes the byte; the other seven are shifted out of held_q.
   wire        first   = item_q & writes & ~pairs & (bit_q == 3'd0);
   wire        looks   = do_i[`MB_DO_HOLD] | load | first;
   wire        holds   = looks | given_q | (wide ? passes : put_q | shift);
@@ -295,6 +296,7 @@ module modbus_burst #(
   reg [7:0]  f_bits;                 // bits of this byte, as they came
   reg [3:0]  f_count = 4'd0;         // so many
   reg        f_failed = 1'b0;        // the burst ended without done
+  reg [7:0]  f_byte;                 // the byte that left the frame for the items at hand
 
   wire f_begins = begins;
   wire [15:0] f_data = inner ? inner_i : wb_dat_i;
@@ -308,6 +310,7 @@ module modbus_burst #(
       f_left <= f_left - 4'd1;
       f_over <= f_over | at_last_i;
     end
+    if (take_q) f_byte <= byte_i;
     if (f_begins || (put_o && !words)) begin
       f_count <= {3'd0, ack};
       f_bits  <= {7'd0, ack & f_data[0]};
@@ -349,6 +352,9 @@ module modbus_burst #(
       // A register read goes to the frame in the two clocks behind its beat, high byte first.
       if ($past(ack && words && !bytes && !writes)) assert (put_o && data_o == $past(f_data[15:8]));
       if (last_q && words && !bytes)                assert (put_o && data_o == $past(f_data[7:0], 2));
+      // A register written is two bytes of the frame that follow each other, a bit written is that of its place.
+      if (wb_stb_o && writes && words)  assert (wb_dat_o == {f_byte, byte_i});
+      if (wb_stb_o && writes && !pairs) assert (wb_dat_o[0] == f_byte[bit_q]);
       // A beat is not withdrawn or changed before the bank answers.
       if ($past(wb_stb_o) && !$past(wb_ack_i) && !$past(wb_err_i) && !$past(stall_i))
         assert (wb_stb_o && $stable(wb_we_o));

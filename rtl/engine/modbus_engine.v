@@ -71,8 +71,8 @@ module modbus_engine #(
   modbus_sequencer #(.FUNCTION_CODES(FUNCTION_CODES), .USER_CODES(USER_CODES)) u_sequencer (
     .clk_i(clk_i), .rst_i(rst_i), .busy_i(host_state_i[`MB_HOST_BUSY]), .failure_i(host_state_i[`MB_HOST_FAILURE]),
     .write_stb_o(write_stb_o), .frame_i(frame_i), .verdict_o(verdict_o), .sending_i(sending_i), .at_o(at),
-    .fetch_o(fetch), .step_i(step), .entries_i(entries), .byte_i(late_byte), .cursor_i(cursor), .count_i(count), .ram_do_o(ram_do),
-    .range_do_o(range_do), .burst_do_o(burst_do), .argument_o(argument), .space_o(space), .code_o(code),
+    .fetch_o(fetch), .step_i(step), .entries_i(entries), .byte_i(late_byte), .cursor_i(cursor), .count_i(count),
+    .ram_do_o(ram_do), .range_do_o(range_do), .burst_do_o(burst_do), .argument_o(argument), .space_o(space), .code_o(code),
     .found_i(found), .done_i(done), .fail_i(fail), .fail_code_i(fail_code), .held_i(held), .offer_o(offer),
     .user_done_i(user_done), .user_fail_i(user_fail), .user_pass_i(user_reply_i[`MB_USER_PASS]),
     .user_code_i(user_code), .diag_do_o(diag_do), .event_o(event_byte), .listen_only_i(listen_only_o)
@@ -259,6 +259,8 @@ module modbus_engine #(
 
   always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
     if (grant_req_o)         assert (f_good);
+    if (grant_req_o)         assert (grant_last_o >= grant_first_o);
+    if (grant_req_o && space == `MB_SPACE_FILES) assert (grant_last_o <= 16'h270F);
     if (user_req_o)          assert (f_good);
     if (wb_stb_o)            assert (wb_cyc_o && f_good && f_granted);
     if (wb_stb_o && wb_we_o) assert (f_write_granted);

@@ -3,9 +3,10 @@
 //
 // modbus_range - one range of items: first address, quantity, last address, and what is wrong with them.
 //
-// A field of the request comes byte by byte, high byte first, with a strobe each.  The last address follows first address and
-// quantity a clock later, but stands still while a burst moves the first address on.  past_end_o: the range passes FFFFH (a
-// clock later still if there are files), in the space of files record 270FH (two clocks).  With HAS_FILES also the file number and the length of a file answer.
+// A field of the request comes byte by byte, high byte first, with a strobe each.  The last address follows first address
+// and quantity a clock later, but stands still while a burst moves the first address on.  past_end_o: the range passes
+// FFFFH, or record 270FH in the space of files.  It comes with the last address; with HAS_FILES one clock behind it, and
+// two for a record.  With HAS_FILES also the file number and the length of a file answer.
 // With BITS_PER_BEAT = 16 a beat of bits is the part of the range in one word of 16 addresses.
 
 `default_nettype none
@@ -55,8 +56,8 @@ module modbus_range #(
   wire        set_address = do_i[`MB_DO_ADDRESS] | set_first;
   wire        less_one    = do_i[`MB_DO_LESS_ONE];
 
-  // The byte that comes in, or a literal with high byte 0
-  wire [7:0]  low = (set_first | set_less) ? argument_i[`MB_ARG_LITERAL] : byte_i;
+  // A literal has the high byte 0.
+  wire [7:0]  given = (set_first | set_less) ? argument_i[`MB_ARG_LITERAL] : byte_i;
   // The sum means nothing while an address is set; written so, a counter that can be loaded takes one cell a bit.
   wire [15:0] next_first = {first_q[15:4], first_q[3:0] | lanes} + {{15{set_address}}, 1'b1};
 
@@ -67,11 +68,11 @@ module modbus_range #(
   assign {above_limit, excess} = {1'b0, quantity_less_one_q[10:0]} + {1'b0, argument_i[`MB_ARG_ROOM]};
 
   always @(posedge clk_i) begin
-    if (set_address || next_i) first_q <= set_address ? {first_q[7:0], low} : next_first;
+    if (set_address || next_i) first_q <= set_address ? {first_q[7:0], given} : next_first;
     if (set_first)             first_q[15:8] <= 8'd0;
 
     if (do_i[`MB_DO_QUANTITY] || set_less)
-      quantity_less_one_q <= {quantity_less_one_q[7:0], low} + {16{less_one}};
+      quantity_less_one_q <= {quantity_less_one_q[7:0], given} + {16{less_one}};
     if (set_less)                          quantity_less_one_q[15:8] <= 8'd0;
     if (do_i[`MB_DO_ONE] || set_first)     quantity_less_one_q <= 16'd0;
 

@@ -6,14 +6,15 @@
 // It begins with a good frame for us (t3.5 is over), and with a foreign or a bad one to count it.  VERDICT_SEND: count
 // bytes in the frame RAM are the answer; the steps go on beside it.  VERDICT_QUIET: nothing is sent.
 //
-// A step takes one to four clocks (modbus_steps.vh), or waits.  A free clock follows, so what went wrong is known before the
-// next step begins.  That one is fetched meanwhile; only a jump costs a clock more.  A step of several clocks has all its
-// decisions in registers, for speed; the limit of a quantity is compared in the clock behind the step, and another
-// follows.  Whatever goes wrong becomes one exception code and the EXCEPTION routine, before the next step begins; in a
-// broadcast that routine sends nothing either (V1.02, clause 2.2).
+// A step takes one, two or four clocks (modbus_steps.vh), or waits.  A free clock follows, in which no step begins: what went
+// wrong becomes one exception code and the EXCEPTION routine before that.  The next step is fetched meanwhile.  A jump that
+// is taken takes one clock more; so do QUANTITY and DEPTH, since their limit is compared in the free clock.  In a broadcast
+// the EXCEPTION routine sends nothing either (V1.02, clause 2.2).  A step of several clocks has all its decisions in
+// registers, for speed.
 //
 // byte_i is the byte that was under the cursor a clock ago.  A step may look at it in its first clock, since the free clock
-// lies between that and the last move of the cursor; not behind PUT, which moves it in the free clock.
+// lies between that and the last move of the cursor.  Likewise the count.  Not behind PUT, which moves both in the free
+// clock; tb/test_program.py sees to it that no step behind a PUT looks.
 //
 // The sequencer waits for nobody but the bank (GRANT, BURST), the user (OFFER) and the transmitter (MODE with WAIT).
 
@@ -88,7 +89,7 @@ module modbus_sequencer #(
   reg        fetched_q = 1'b0;       // step_i is the step that is carried out, or in the free clock the next one
   reg [8:0]  at_q = 9'd0;            // of the step to fetch next
   // verilator lint_off UNUSED
-  reg [31:0] is_q = 32'd0;           // the step being carried out, one hot; there are no steps 29 to 31
+  reg [31:0] is_q = 32'd0;           // the step being carried out, one hot; there are no steps 27, 30 and 31
   // verilator lint_on UNUSED
   reg [10:0] argument;               // and its argument
   reg        active_q = 1'b0;        // there is one
@@ -114,7 +115,7 @@ module modbus_sequencer #(
   reg        put_q = 1'b0;           // behind PUT: its byte is held
   reg        same_q;                 // the byte was the literal a clock ago
   reg        pass_q;                 // the user passed a clock ago
-  reg        holds_q;                // the condition of IF held a clock ago, if it is not EQUAL
+  reg        holds_q;                // the condition of IF held a clock ago
 
   wire is_dispatch   = is_q[`MB_STEP_DISPATCH];
   wire is_jump       = is_q[`MB_STEP_JUMP];
@@ -235,8 +236,8 @@ module modbus_sequencer #(
 
   // The limit is compared in the clock behind the step, and the next one is not ready for a clock more.
   wire       judges  = (is_quantity | is_depth) & clock_4;
-  // at_q moves on when a step begins, so the next one is fetched when that ends; unless it leads elsewhere.  The sum means
-  // nothing then, written so it takes one cell a bit.
+  // at_q moves on when a step begins, and the next one is fetched in the last clock of that.  After a jump it is fetched at
+  // the target, and the sum means nothing; written so, it takes one cell a bit.
   wire       moves   = fetched_q & ~active_q;
   wire       leaves  = ~run_q | raise_q | is_dispatch | taken;
   wire [8:0] next_at = at_q + {{8{leaves}}, 1'b1};
@@ -297,7 +298,8 @@ module modbus_sequencer #(
 
   // ------------------------------------------------------------------ what the step does
 
-  // In its first two clocks a step of fields takes a byte each, but for BYTE_COUNT without FIT, which takes one.
+  // In its first two clocks a step of fields takes a byte each, but for BYTE_COUNT without FIT, which takes
+  // one; only the functions of files have that.
   wire takes   = fields_q & ~clock_q[1] & ~((HAS_FILES != 0) & alone_q & clock_q[0]);
   wire consume = takes | is_dispatch | (is_match & clock_2);
   wire walk    = is_walk & clock_q[0] & ~arrived_q;
@@ -410,7 +412,7 @@ module modbus_sequencer #(
     assert (active_q || f_many == 6'd0);
     // Every step ends, unless it waits.
     assert (f_age <= 5'd8);
-    // A burst finds held what was given before it.
+    // When a burst begins, modbus_burst already holds the literal or status byte of the step before.
     if (burst_do_o[`MB_DO_BURST]) assert (!$past(burst_do_o[`MB_DO_LITERAL] | burst_do_o[`MB_DO_STATUS]));
     // One that waits ends with the answer.
     if ((is_grant | is_burst) && $past(is_grant | is_burst) && $past(done_i | fail_i)) assert (ends);

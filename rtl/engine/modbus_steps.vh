@@ -15,50 +15,50 @@
 
 // ------------------------------------------------------------------ steps
 
-// Bits 3 and 2 of the number say how many clocks a step takes: 00 one, 01 four, 10 two, 11 until somebody answers.  The
-// numbers with bits 3, 1 and 0 set are steps of one clock too.
+// Bits 3 and 2 tell how long a step lasts: 00 one clock, 10 two, 01 four, 11 open.  But with bits 3, 1 and 0 all set (SEND,
+// TELL) it is one clock.
 
 // Where to go on
-`define MB_STEP_REST       5'd0// the frame is dealt with
-`define MB_STEP_DISPATCH   5'd1// take a byte and go to its entry in the table at TARGET
-`define MB_STEP_JUMP       5'd2// go to TARGET, see MB_JUMP_*
+`define MB_STEP_REST       5'd0   // the frame is dealt with
+`define MB_STEP_DISPATCH   5'd1   // take a byte and go to its entry in the table at TARGET
+`define MB_STEP_JUMP       5'd2   // go to TARGET, see MB_JUMP_*
 
 // Take the request apart, high byte first; each moves the cursor on and count down
-`define MB_STEP_ADDRESS    5'd4// first address of a range; IN_SPACE: in SPACE; ONE: the quantity is 1
-`define MB_STEP_QUANTITY   5'd5// 1 to 2048 - ROOM, else exception 03
-`define MB_STEP_COIL       5'd6// 0000H or FF00H, with ZERO 0000H alone, and the end of the request; else exception 03
-`define MB_STEP_BYTE_COUNT 5'd7// the number of bytes left, else exception 03.  FIT: also that of the quantity; ends
+`define MB_STEP_ADDRESS    5'd4   // first address of a range; IN_SPACE: in SPACE; ONE: the quantity is 1
+`define MB_STEP_QUANTITY   5'd5   // 1 to 2048 - ROOM, else exception 03
+`define MB_STEP_COIL       5'd6   // 0000H or FF00H, with ZERO 0000H alone, and the end of the request; else exception 03
+`define MB_STEP_BYTE_COUNT 5'd7   // the number of bytes left, else exception 03.  FIT: also that of the quantity; ends
                                   // behind the first data byte
-`define MB_STEP_END        5'd10// exception 03 unless the request ends here.  WORDS: unless one word or more follow
+`define MB_STEP_END        5'd10  // exception 03 unless the request ends here.  WORDS: unless one word or more follow
 
 // The bank
-`define MB_STEP_TELL       5'd15// tell the host that the range is written
-`define MB_STEP_GRANT      5'd12// ask for the range; WRITE.  A range past FFFFH, of a file past 270FH: exception 02
-`define MB_STEP_BURST      5'd13// move the range between bank and frame, from PLACE on; HERE, CLEAR, WRITE, KEEP, DRY;
+`define MB_STEP_TELL       5'd15  // tell the host that the range is written
+`define MB_STEP_GRANT      5'd12  // ask for the range; WRITE.  A range past FFFFH, of a file past 270FH: exception 02
+`define MB_STEP_BURST      5'd13  // move the range between bank and frame, from PLACE on; HERE, CLEAR, WRITE, KEEP, DRY;
                                   // CHECK: the bank checks what it would store
 
 // Put the answer together
-`define MB_STEP_POINT      5'd3// cursor to PLACE; CLEAR: count to 0
-`define MB_STEP_WALK       5'd14// cursor up to PLACE; count down with it, UP: up
-`define MB_STEP_LOAD       5'd8// hold the byte at PLACE, see MB_LOAD_*; MARK: with bit 7 set
-`define MB_STEP_PUT        5'd9// the held byte, STATUS: that of WHICH, goes to PLACE, HERE: under the cursor; cursor
+`define MB_STEP_POINT      5'd3   // cursor to PLACE; CLEAR: count to 0
+`define MB_STEP_WALK       5'd14  // cursor up to PLACE; count down with it, UP: up
+`define MB_STEP_LOAD       5'd8   // hold the byte at PLACE, see MB_LOAD_*; MARK: with bit 7 set
+`define MB_STEP_PUT        5'd9   // the held byte, STATUS: that of WHICH, goes to PLACE, HERE: under the cursor; cursor
                                   // and count up
-`define MB_STEP_SEND       5'd11// send count bytes from the start of the half of PLACE; not in a broadcast
+`define MB_STEP_SEND       5'd11  // send count bytes from the start of the half of PLACE; not in a broadcast
 
 // Not needed for 01 to 06, 0F, 10, 16 and 17: where only these are built in, nothing decodes the steps below.
-`define MB_STEP_IF         5'd24// go to TARGET if the condition holds, see MB_IF_*
-`define MB_STEP_MATCH      5'd25// the byte must be LITERAL, else exception EXCEPTION; 0 there: any byte
-`define MB_STEP_SPACE      5'd16// the following is in SPACE
-`define MB_STEP_SET        5'd17// first address = LITERAL, quantity 1; LESS: quantity = LITERAL + 1
-`define MB_STEP_DEPTH      5'd21// quantity + 1, if the quantity is at most 2047 - ROOM, else exception 03
-`define MB_STEP_FILE       5'd20// file number
-`define MB_STEP_TOTAL      5'd26// add a group to the length of a file answer; past F5H: exception 03
-`define MB_STEP_CONTEXT    5'd18// cursor and count: SAVE, RECALL, both: swap
-`define MB_STEP_LITERAL    5'd19// hold LITERAL
-`define MB_STEP_OFFER      5'd28// let the user answer from the cursor on; go to TARGET unless the user passes
-`define MB_STEP_COUNT      5'd22// COUNTER up, CLEAR: to 0, see MB_WHEN_*
-`define MB_STEP_LOG        5'd23// EVENT and what the flags add to the event log
-`define MB_STEP_MODE       5'd29// see MB_MODE_*
+`define MB_STEP_IF         5'd24  // go to TARGET if the condition holds, see MB_IF_*
+`define MB_STEP_MATCH      5'd25  // the byte must be LITERAL, else exception EXCEPTION; 0 there: any byte
+`define MB_STEP_SPACE      5'd16  // the following is in SPACE
+`define MB_STEP_SET        5'd17  // first address = LITERAL, quantity 1; LESS: quantity = LITERAL + 1
+`define MB_STEP_DEPTH      5'd21  // quantity + 1, if the quantity is at most 2047 - ROOM, else exception 03
+`define MB_STEP_FILE       5'd20  // file number
+`define MB_STEP_TOTAL      5'd26  // add a group to the length of a file answer; past F5H: exception 03
+`define MB_STEP_CONTEXT    5'd18  // cursor and count: SAVE, RECALL, both: swap
+`define MB_STEP_LITERAL    5'd19  // hold LITERAL
+`define MB_STEP_OFFER      5'd28  // let the user answer from the cursor on; go to TARGET unless the user passes
+`define MB_STEP_COUNT      5'd22  // COUNTER up, CLEAR: to 0, see MB_WHEN_*
+`define MB_STEP_LOG        5'd23  // EVENT and what the flags add to the event log
+`define MB_STEP_MODE       5'd29  // see MB_MODE_*
 
 // ------------------------------------------------------------------ fields of the argument
 
@@ -161,7 +161,7 @@
 `define MB_DO_ADDRESS      0      // first address = field
 `define MB_DO_ONE          1      // quantity = 1
 `define MB_DO_QUANTITY     2      // quantity = field + 1
-`define MB_DO_LESS_ONE     3      // with the low byte of the quantity: field
+`define MB_DO_LESS_ONE     3      // with the low byte: quantity = field, without the + 1
 `define MB_DO_FIRST        4      // first address = literal, quantity = 1
 `define MB_DO_LESS         5      // quantity = literal + 1
 `define MB_DO_FILE         6      // file number = field
@@ -170,8 +170,8 @@
 `define MB_RANGE_DO_WIDTH  9
 
 // To modbus_burst
-`define MB_DO_HOLD         0      // strobe: hold the byte under the cursor
-`define MB_DO_LOAD         1      // strobe: hold it by WHAT and MARK
+`define MB_DO_HOLD         0      // strobe: hold the byte that was under the cursor a clock ago
+`define MB_DO_LOAD         1      // strobe: the same by WHAT and MARK
 `define MB_DO_STATUS       2      // strobe: hold the status byte
 `define MB_DO_LITERAL      3      // strobe: hold the literal
 `define MB_DO_GRANT        4      // level until done or failed: ask the bank

@@ -4,7 +4,7 @@
 // modbus_units - further addresses of one core: which of them a frame is for.
 //
 // A frame is for us if its address byte is MB_SET_ADDRESS, a bit of UNIT_SET, or, with UNIT_PORT = 1, one for which the host
-// holds ours_i high.  unit_o shows the address byte two clocks before the verdict, and ours_i may depend on it in the
+// holds ours_i high.  unit_o shows the address byte a clock before the verdict, and ours_i may depend on it in the
 // same clock.  unit_o then holds the unit of the request until the next frame is judged; 0 is a broadcast, which is
 // one request, whatever the units.  0 and 248..255 are never units.
 //

@@ -12,10 +12,10 @@ WAIT_CLOCKS = 10
 
 
 async def command(dut, name, event=0, **fields):
-    """COUNT or LOG: three clocks, NOW in the last."""
+    """COUNT or LOG: four clocks, NOW in the last."""
     dut.argument_i.value, dut.event_i.value = argument(**fields), event
     dut.do_i.value = do(name, "APPLIES")
-    await clocks(dut, 2)
+    await clocks(dut, 3)
     dut.do_i.value = do(name, "APPLIES", "NOW")
     await clocks(dut)
     dut.do_i.value = dut.event_i.value = 0

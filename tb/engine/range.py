@@ -27,7 +27,7 @@ async def give(dut, commands, value=None):
 
 
 async def range_of(dut, first, quantity, space=Space.HOLDINGS):
-    """First address and quantity as fields; two clocks later all is known."""
+    """First address and quantity as fields; three clocks later all is known."""
     dut.space_i.value = space
     await give(dut, "ADDRESS", first)
     await give(dut, "QUANTITY LESS_ONE", quantity)

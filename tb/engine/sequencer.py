@@ -117,7 +117,7 @@ async def a_field_is_two_bytes(dut):
         seen = flat(await tb.run([step(name), REST], b"\x12\x34\x56"))
         assert [seen.count(c) for c in ("STEP", "DOWN", "HOLD")] == [2, 2, 1], f"{name}: {seen}"
         assert (tb.cursor, tb.count) == (2, 1)
-        # The range gets the high byte first; the low one less one for QUANTITY alone.
+        # The range gets the high byte first. LESS_ONE comes with the low byte, and only for QUANTITY.
         field = [(byte, commands) for byte, commands in tb.given if command in commands]
         assert [byte for byte, _ in field] == [0x12, 0x34], f"{name}: {tb.given}"
         assert ["LESS_ONE" in c for _, c in field] == [False] * (len(field) - 1) + [name == "QUANTITY"]
@@ -269,7 +269,7 @@ async def the_bank_is_waited_for(dut, name):
 
 @cocotb.test()
 async def two_steps_never_command_at_once(dut):
-    """Commands of any two steps in a row come one behind the other: a clock without any is between them."""
+    """Commands of two steps in a row never fall into one clock."""
     tb = await bench(dut)
     dut.found_i.value = 7 & ~(1 << NUMBERS["FOUND_TOO_LONG"])
     steps = [step("ADDRESS"), step("SPACE", SPACE=2), step("POINT", PLACE=4), step("LOAD", PLACE=2),
