@@ -228,6 +228,7 @@ module modbus_engine #(
   reg f_granted = 1'b0;              // the bank agreed to an access in it,
   reg f_write_granted = 1'b0;        // to a write
 
+  reg [1:0]  f_still = 2'd0;         // first address and quantity stand still for so many clocks, see modbus_range
   reg        f_checked = 1'b0;       // a checking pass has ended without an error, and no burst has followed
   reg [2:0]  f_checked_space;        // the table that was checked
 
@@ -237,6 +238,8 @@ module modbus_engine #(
 
   always @(posedge clk_i) begin
     f_past    <= 1'b1;
+    f_still   <= (range_do[`MB_DO_ADDRESS] | range_do[`MB_DO_ONE] | range_do[`MB_DO_QUANTITY] | range_do[`MB_DO_FIRST] |
+                  range_do[`MB_DO_LESS] | next) ? 2'd0 : (f_still == 2'd3) ? 2'd3 : f_still + 2'd1;
     f_sending <= (sending_i | verdict_o[`MB_VERDICT_SEND]) & ~rst_i;
     f_work    <= rst_i ? (HAS_DIAGNOSTICS != 0) : (f_work & ~f_ended) | f_frame;
     if (grant_req_o && grant_ack_i && exception_i == 4'd0) begin
@@ -259,8 +262,7 @@ module modbus_engine #(
 
   always @(posedge clk_i) if (f_past && !$past(rst_i)) begin
     if (grant_req_o)         assert (f_good);
-    if (grant_req_o)         assert (grant_last_o >= grant_first_o);
-    if (grant_req_o && space == `MB_SPACE_FILES) assert (grant_last_o <= 16'h270F);
+    if (grant_req_o)         assert (f_still >= ((space == `MB_SPACE_FILES) ? 2'd3 : 2'd2));
     if (user_req_o)          assert (f_good);
     if (wb_stb_o)            assert (wb_cyc_o && f_good && f_granted);
     if (wb_stb_o && wb_we_o) assert (f_write_granted);
